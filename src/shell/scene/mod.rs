@@ -1,1 +1,3 @@
-//! To come.
+//! Scenes on disk, and what they become.
+
+pub mod bvh;
