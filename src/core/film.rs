@@ -1,1 +1,327 @@
-//! To come: film.
+//! The film: running statistics of every pixel, stored tile by tile.
+//!
+//! Tiles of 16 × 16 pixels follow each other in raster order, and so do the pixels of a tile. Tiles at the right
+//! and lower edge are smaller; nothing is padded, so a plane has exactly `width · height` entries and a run of
+//! tiles is one contiguous slice. A pixel takes [`BYTES_PER_PIXEL`] bytes.
+//!
+//! Statistics: Welford, *Note on a method for calculating corrected sums of squares and products*, 1962, within
+//! an iteration; Chan, Golub, LeVeque, *Updating formulae and a pairwise algorithm for computing sample
+//! variances*, 1979, to merge iterations.
+
+use core::ops::Range;
+
+/// Side of a tile in pixels.
+pub const TILE: u32 = 16;
+/// Longest side of a film in pixels.
+pub const MAX_SIDE: u32 = 16_384;
+/// Words and floats the film lends from the caller, a pixel.
+pub(crate) const WORDS: usize = 4;
+/// See [`WORDS`].
+pub(crate) const FLOATS: usize = 8;
+/// What a pixel costs in lent memory.
+pub const BYTES_PER_PIXEL: usize = 4 * (WORDS + FLOATS);
+
+/// Where a pixel is stored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Layout {
+    width: u32,
+    height: u32,
+}
+
+/// One tile of a film.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Tile {
+    /// Leftmost column.
+    pub x0: u32,
+    /// Uppermost row.
+    pub y0: u32,
+    /// Columns, at most [`TILE`].
+    pub width: u32,
+    /// Rows, at most [`TILE`].
+    pub height: u32,
+    /// Storage index of the first pixel.
+    pub first: usize,
+}
+
+impl Tile {
+    /// Number of pixels.
+    #[inline]
+    pub fn pixels(&self) -> usize {
+        self.width as usize * self.height as usize
+    }
+
+    /// Storage indices of row `dy` of the tile.
+    #[inline]
+    pub fn row(&self, dy: u32) -> Range<usize> {
+        let first = self.first + (dy * self.width) as usize;
+        first..first + self.width as usize
+    }
+}
+
+impl Layout {
+    /// The layout of a film, or nothing if a side is 0 or longer than [`MAX_SIDE`].
+    pub fn new(width: u32, height: u32) -> Option<Layout> {
+        let fits = |side| (1..=MAX_SIDE).contains(&side);
+        (fits(width) && fits(height)).then_some(Layout { width, height })
+    }
+
+    /// Columns.
+    #[inline]
+    pub fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// Rows.
+    #[inline]
+    pub fn height(&self) -> u32 {
+        self.height
+    }
+
+    /// Number of pixels.
+    #[inline]
+    pub fn pixels(&self) -> usize {
+        self.width as usize * self.height as usize
+    }
+
+    /// Number of tiles.
+    #[inline]
+    pub fn tiles(&self) -> u32 {
+        self.width.div_ceil(TILE) * self.height.div_ceil(TILE)
+    }
+
+    /// Tile number `t`, in raster order. `t` must be less than [`tiles`](Self::tiles).
+    #[inline]
+    pub fn tile(&self, t: u32) -> Tile {
+        let columns = self.width.div_ceil(TILE);
+        let (x0, y0) = (t % columns * TILE, t / columns * TILE);
+        let (width, height) = (TILE.min(self.width - x0), TILE.min(self.height - y0));
+        let first = y0 as usize * self.width as usize + x0 as usize * height as usize;
+        Tile { x0, y0, width, height, first }
+    }
+
+    /// Storage index of the pixel in column `x` and row `y`.
+    #[inline]
+    pub fn index(&self, x: u32, y: u32) -> usize {
+        let (x0, y0) = (x & !(TILE - 1), y & !(TILE - 1));
+        let (width, height) = (TILE.min(self.width - x0), TILE.min(self.height - y0));
+        let tile = y0 as usize * self.width as usize + x0 as usize * height as usize;
+        tile + ((y - y0) * width + (x - x0)) as usize
+    }
+
+    /// Calls `f(storage, raster)` for every tile row: a run of storage indices and where it starts in raster order.
+    pub fn for_each_run(&self, mut f: impl FnMut(Range<usize>, usize)) {
+        for tile in (0..self.tiles()).map(|t| self.tile(t)) {
+            for dy in 0..tile.height {
+                let raster = (tile.y0 + dy) as usize * self.width as usize + tile.x0 as usize;
+                f(tile.row(dy), raster);
+            }
+        }
+    }
+}
+
+/// The planes of a film or of a contiguous part of it, in storage order.
+#[derive(Debug)]
+pub(crate) struct Planes<'a> {
+    /// Samples in `mean`.
+    pub count: &'a mut [u32],
+    /// Degrees of freedom of `m2`, plus one; 0 where nothing is known.
+    pub groups: &'a mut [u32],
+    /// Samples drawn so far, rejected ones included: where the pixel's sequence goes on.
+    pub drawn: &'a mut [u32],
+    /// Samples planned for the current iteration.
+    pub planned: &'a mut [u32],
+    /// Mean radiance, a plane a colour.
+    pub mean: [&'a mut [f32]; 3],
+    /// Sum of squared deviations of luminance from its mean.
+    pub m2: &'a mut [f32],
+    /// Weighted sum over iterations of what the estimator needs besides `mean`, a plane a colour.
+    pub sum: [&'a mut [f32]; 3],
+    /// Samples expected of the current iteration; while the kernel adapts, its weight.
+    pub target: &'a mut [f32],
+}
+
+impl<'a> Planes<'a> {
+    /// Divides `floats` and `words`, [`FLOATS`] and [`WORDS`] a pixel, into planes.
+    pub fn new(floats: &'a mut [f32], words: &'a mut [u32], pixels: usize) -> Option<Self> {
+        let mut floats = floats.chunks_exact_mut(pixels);
+        let mut words = words.chunks_exact_mut(pixels);
+        let mut float = || floats.next();
+        Some(Planes {
+            count: words.next()?,
+            groups: words.next()?,
+            drawn: words.next()?,
+            planned: words.next()?,
+            mean: [float()?, float()?, float()?],
+            m2: float()?,
+            sum: [float()?, float()?, float()?],
+            target: float()?,
+        })
+    }
+
+    /// The planes again, for a shorter time.
+    pub fn reborrow(&mut self) -> Planes<'_> {
+        Planes {
+            count: self.count,
+            groups: self.groups,
+            drawn: self.drawn,
+            planned: self.planned,
+            mean: self.mean.each_mut().map(|p| &mut **p),
+            m2: self.m2,
+            sum: self.sum.each_mut().map(|p| &mut **p),
+            target: self.target,
+        }
+    }
+
+    /// The first `at` pixels, and the rest.
+    pub fn split_at(self, at: usize) -> (Self, Self) {
+        let (count, count_) = self.count.split_at_mut(at);
+        let (groups, groups_) = self.groups.split_at_mut(at);
+        let (drawn, drawn_) = self.drawn.split_at_mut(at);
+        let (planned, planned_) = self.planned.split_at_mut(at);
+        let (m2, m2_) = self.m2.split_at_mut(at);
+        let (target, target_) = self.target.split_at_mut(at);
+        let (mean, mean_) = split_colours(self.mean, at);
+        let (sum, sum_) = split_colours(self.sum, at);
+        (
+            Planes { count, groups, drawn, planned, mean, m2, sum, target },
+            Planes {
+                count: count_,
+                groups: groups_,
+                drawn: drawn_,
+                planned: planned_,
+                mean: mean_,
+                m2: m2_,
+                sum: sum_,
+                target: target_,
+            },
+        )
+    }
+
+    /// Mean radiance of pixel `i`.
+    #[inline]
+    pub fn mean_at(&self, i: usize) -> [f32; 3] {
+        [self.mean[0][i], self.mean[1][i], self.mean[2][i]]
+    }
+
+    /// Merges an iteration's samples into pixel `i`.
+    ///
+    /// `within` says whether their own scatter counts, or only the deviation of their mean, as one group.
+    #[inline]
+    pub fn merge(&mut self, i: usize, new: &Moments, within: bool) {
+        if new.count == 0 {
+            return;
+        }
+        let old = Moments { count: self.count[i], mean: self.mean_at(i), m2: self.m2[i] };
+        let scatter = if within { *new } else { Moments { m2: 0.0, ..*new } };
+        let all = old.merged(&scatter);
+        self.count[i] = all.count;
+        self.groups[i] = self.groups[i].saturating_add(if within { new.count } else { 1 });
+        self.m2[i] = all.m2;
+        for c in 0..3 {
+            self.mean[c][i] = all.mean[c];
+        }
+    }
+}
+
+/// Three planes, each divided at `at`.
+fn split_colours(planes: [&mut [f32]; 3], at: usize) -> ([&mut [f32]; 3], [&mut [f32]; 3]) {
+    let [r, g, b] = planes;
+    let ((r, r_), (g, g_), (b, b_)) = (r.split_at_mut(at), g.split_at_mut(at), b.split_at_mut(at));
+    ([r, g, b], [r_, g_, b_])
+}
+
+/// Luminance of linear RGB by the weights of Rec. 709, in the unit of the radiance.
+#[inline(always)]
+pub fn luminance(rgb: [f32; 3]) -> f32 {
+    0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2]
+}
+
+/// Count, mean and sum of squared deviations of some samples.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Moments {
+    /// Number of samples.
+    pub count: u32,
+    /// Mean radiance.
+    pub mean: [f32; 3],
+    /// Sum of squared deviations of luminance from its mean.
+    pub m2: f32,
+}
+
+impl Moments {
+    /// Adds one sample (Welford).
+    #[inline]
+    pub fn add(&mut self, rgb: [f32; 3]) {
+        self.count += 1;
+        let share = 1.0 / self.count as f32;
+        let delta = [rgb[0] - self.mean[0], rgb[1] - self.mean[1], rgb[2] - self.mean[2]];
+        for (mean, d) in self.mean.iter_mut().zip(delta) {
+            *mean += d * share;
+        }
+        let d = luminance(delta);
+        self.m2 += d * d * (1.0 - share);
+    }
+
+    /// The moments of both sets of samples together (Chan).
+    #[inline]
+    pub fn merged(&self, other: &Moments) -> Moments {
+        let count = self.count.saturating_add(other.count);
+        if count == 0 {
+            return Moments::default();
+        }
+        let share = other.count as f32 / count as f32;
+        let mut mean = self.mean;
+        let mut delta = [0.0; 3];
+        for c in 0..3 {
+            delta[c] = other.mean[c] - self.mean[c];
+            mean[c] += delta[c] * share;
+        }
+        let d = luminance(delta);
+        Moments { count, mean, m2: self.m2 + other.m2 + d * d * (self.count as f32 * share) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sobol::hash;
+
+    #[test]
+    fn every_pixel_has_one_place() {
+        for (width, height) in [(1, 1), (16, 16), (17, 1), (1, 33), (40, 50), (100, 3)] {
+            let layout = Layout::new(width, height).unwrap();
+            let mut next = 0;
+            for tile in (0..layout.tiles()).map(|t| layout.tile(t)) {
+                assert_eq!(tile.first, next);
+                for (dy, dx) in (0..tile.height).flat_map(|y| (0..tile.width).map(move |x| (y, x))) {
+                    assert_eq!(layout.index(tile.x0 + dx, tile.y0 + dy), next);
+                    next += 1;
+                }
+            }
+            assert_eq!(next, layout.pixels());
+        }
+    }
+
+    #[test]
+    fn sides_are_limited() {
+        assert_eq!(Layout::new(0, 5), None);
+        assert_eq!(Layout::new(5, 0), None);
+        assert_eq!(Layout::new(MAX_SIDE + 1, 5), None);
+        assert!(Layout::new(MAX_SIDE, MAX_SIDE).is_some());
+    }
+
+    #[test]
+    fn merging_equals_concatenating() {
+        let sample = |i: u32| [0, 1, 2].map(|c| (hash(3 * i + c) >> 8) as f32 / 1e6);
+        let of = |range: Range<u32>| {
+            let mut moments = Moments::default();
+            range.for_each(|i| moments.add(sample(i)));
+            moments
+        };
+        for cut in [0, 1, 7, 40, 100] {
+            let (whole, merged) = (of(0..100), of(0..cut).merged(&of(cut..100)));
+            assert_eq!(whole.count, merged.count);
+            assert!((whole.m2 / merged.m2 - 1.0).abs() < 1e-5);
+            assert!((0..3).all(|c| (whole.mean[c] / merged.mean[c] - 1.0).abs() < 1e-6));
+        }
+    }
+}

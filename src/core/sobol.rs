@@ -1,8 +1,88 @@
-//! Owen-scrambled Sobol points.
-use wide::{f32x8, u32x8};
+//! Owen-scrambled Sobol points, eight at a time, without state.
+//!
+//! The first two dimensions of Sobol's sequence (direction numbers of Joe and Kuo), shuffled and scrambled by
+//! hashing: Burley, *Practical hash-based Owen scrambling*, JCGT 2020, with the hash of Vegdahl, *Building a
+//! better LK hash*, psychopath.io 2021. Any 2^k consecutive samples from a multiple of 2^k on are a
+//! (0, k, 2)-net. Further dimensions are padded sets: the same points, shuffled and scrambled by other keys.
+//!
+//! Limits: 2^32 points a key; coordinates are multiples of 2^-24 in [0, 1), never 1.
 
-/// The points.
+use wide::{f32x8, i32x8, u32x8};
+
+/// Point number `index` of the two-dimensional set `set` of the sequence named by `key`.
 #[inline]
-pub fn point(_index: u32x8, _key: u32x8, _set: u32) -> (f32x8, f32x8) {
-    (f32x8::ZERO, f32x8::ZERO)
+pub fn point(index: u32x8, key: u32x8, set: u32) -> (f32x8, f32x8) {
+    let key = hash8(key ^ u32x8::splat(hash(set)));
+    let first = owen(reverse(index), key);
+    let shuffled = reverse(first);
+    // Reversed, the first coordinate of point i is i; scrambling works on reversed bits.
+    let x = owen(shuffled, hash8(key ^ u32x8::splat(0x9e37_79b9)));
+    let y = owen(pascal(shuffled), hash8(key ^ u32x8::splat(0x85eb_ca6b)));
+    (unit(reverse(x)), unit(reverse(y)))
 }
+
+/// The key of a pixel's sequence.
+#[inline]
+pub fn pixel_key(seed: u32, frame: u32, x: u32, y: u32) -> u32 {
+    hash(hash(hash(seed) ^ frame) ^ (y << 16 | x))
+}
+
+/// Mixes 32 bits, one to one (the function `lowbias32` of Wellons' hash prospector), 0 not to 0.
+#[inline]
+pub fn hash(x: u32) -> u32 {
+    let mut x = x ^ 0x5bd1_e995;
+    x = (x ^ x >> 16).wrapping_mul(0x7feb_352d);
+    x = (x ^ x >> 15).wrapping_mul(0x846c_a68b);
+    x ^ x >> 16
+}
+
+/// [`hash`] in eight lanes.
+#[inline]
+pub fn hash8(x: u32x8) -> u32x8 {
+    let mut x = x ^ u32x8::splat(0x5bd1_e995);
+    x = (x ^ x >> 16) * u32x8::splat(0x7feb_352d);
+    x = (x ^ x >> 15) * u32x8::splat(0x846c_a68b);
+    x ^ x >> 16
+}
+
+/// Owen scrambling of bit-reversed numbers: a bit is flipped depending on the bits below it only.
+#[inline(always)]
+fn owen(x: u32x8, seed: u32x8) -> u32x8 {
+    let mut x = x ^ x * u32x8::splat(0x3d20_adea);
+    x = (x + seed) * (seed >> 16 | u32x8::splat(1));
+    x = x ^ x * u32x8::splat(0x0552_6c56);
+    x ^ x * u32x8::splat(0x53a2_2864)
+}
+
+/// The second Sobol coordinate, bits reversed: the index as a polynomial p(z) over GF(2), taken to p(1 + z).
+///
+/// Since (1 + z)^(2^k) = 1 + z^(2^k), one shift and exclusive or for each k does it.
+#[inline(always)]
+fn pascal(x: u32x8) -> u32x8 {
+    let mut x = x ^ x >> 16;
+    x = x ^ (x & u32x8::splat(0xff00_ff00)) >> 8;
+    x = x ^ (x & u32x8::splat(0xf0f0_f0f0)) >> 4;
+    x = x ^ (x & u32x8::splat(0xcccc_cccc)) >> 2;
+    x ^ (x & u32x8::splat(0xaaaa_aaaa)) >> 1
+}
+
+/// Reverses the order of the bits.
+#[inline(always)]
+fn reverse(x: u32x8) -> u32x8 {
+    let swap = |x: u32x8, mask: u32, by: u32| (x >> by & u32x8::splat(mask)) | (x & u32x8::splat(mask)) << by;
+    let x = swap(x, 0x5555_5555, 1);
+    let x = swap(x, 0x3333_3333, 2);
+    let x = swap(x, 0x0f0f_0f0f, 4);
+    let x = swap(x, 0x00ff_00ff, 8);
+    x >> 16 | x << 16
+}
+
+/// The upper 24 bits as a fraction.
+#[inline(always)]
+fn unit(x: u32x8) -> f32x8 {
+    let upper: i32x8 = bytemuck::cast(x >> 8);
+    f32x8::from_i32x8(upper) * f32x8::splat(1.0 / 16_777_216.0)
+}
+
+#[cfg(test)]
+mod tests;
