@@ -4,7 +4,8 @@
 //! [`SceneData`]. [`Scene::new`] checks every index and the depth of the tree once; after that the hot path
 //! needs no error handling and a fixed stack suffices. Lengths are in scene units, colours linear Rec. 709.
 
-use bytemuck::{Pod, Zeroable};
+use crate::shade::light;
+use bytemuck::{NoUninit, Pod, Zeroable};
 
 /// The value of [`Material::texture`] that means "none".
 pub const NO_TEXTURE: u32 = u32::MAX;
@@ -18,7 +19,7 @@ pub struct Triangle {
 }
 
 /// What a triangle looks like; `surfaces[i]` belongs to `triangles[i]`.
-#[repr(C)]
+#[repr(C, align(64))]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Surface {
     /// Unit shading normals at the corners, on the front side. All zero: the triangle is flat.
@@ -31,7 +32,7 @@ pub struct Surface {
 
 /// How a material scatters light.
 #[repr(u32)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, NoUninit)]
 pub enum Scattering {
     /// Lambertian `diffuse` plus, where `specular` is not black, a GGX lobe of width `roughness` with Schlick
     /// Fresnel. Both sides of the surface.
@@ -44,12 +45,13 @@ pub enum Scattering {
 }
 
 /// A surface material.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, NoUninit)]
 pub struct Material {
-    /// How it scatters.
-    pub scattering: Scattering,
     /// Diffuse reflectance, 0 to 1 a channel; multiplied by the texture.
     pub diffuse: [f32; 3],
+    /// How it scatters.
+    pub scattering: Scattering,
     /// Index into [`SceneData::textures`] or [`NO_TEXTURE`].
     pub texture: u32,
     /// Specular reflectance at normal incidence (rough), tint (mirror, dielectric), 0 to 1 a channel.
@@ -66,8 +68,8 @@ impl Default for Material {
     /// Grey diffuse.
     fn default() -> Self {
         Material {
-            scattering: Scattering::Rough,
             diffuse: [0.5; 3],
+            scattering: Scattering::Rough,
             texture: NO_TEXTURE,
             specular: [0.0; 3],
             roughness: 1.0,
@@ -119,6 +121,12 @@ impl Node8 {
         child: [0; 8],
         count: [0; 8],
     };
+
+    /// Whether child `i` (0 to 7) is there: unused ones have empty boxes.
+    #[inline(always)]
+    pub fn is_used(&self, i: usize) -> bool {
+        self.lower[0][i] <= self.upper[0][i]
+    }
 }
 
 /// The slices a scene is made of, unchecked.
@@ -138,4 +146,152 @@ pub struct SceneData<'a> {
     pub texels: &'a [[f32; 3]],
     /// Emitting triangles, as [`crate::shade::light::build`] makes them.
     pub lights: &'a [Light],
+}
+
+/// Levels of nodes a hierarchy may have: what the traversal's stack is made for.
+pub const MAX_DEPTH: usize = 32;
+
+/// Entries a depth-first walk needs: at each level up to seven siblings wait while one is followed.
+pub(crate) const STACK: usize = 7 * MAX_DEPTH + 1;
+
+/// Why lent slices are not a scene.
+#[non_exhaustive]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Error {
+    /// `surfaces` and `triangles` differ in length.
+    SurfaceCount,
+    /// The node of this index has a child that does not exist or comes before it, or a leaf beyond the triangles.
+    Node(usize),
+    /// The hierarchy has more than [`MAX_DEPTH`] levels.
+    TooDeep,
+    /// The surface of this index names a material that does not exist.
+    Surface(usize),
+    /// The material of this index has a value out of range or names a texture that does not exist.
+    Material(usize),
+    /// The texture of this index is empty or reaches beyond the texels.
+    Texture(usize),
+    /// The light of this index names no triangle, or the probabilities do not rise to one.
+    Light(usize),
+}
+
+impl core::fmt::Display for Error {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Error::SurfaceCount => write!(f, "there must be one surface for each triangle"),
+            Error::Node(i) => write!(f, "node {i} refers to a child or a triangle that is not there"),
+            Error::TooDeep => write!(f, "the hierarchy has more than {MAX_DEPTH} levels"),
+            Error::Surface(i) => write!(f, "surface {i} names a material that is not there"),
+            Error::Material(i) => write!(f, "material {i} has a value out of range or no such texture"),
+            Error::Texture(i) => write!(f, "texture {i} is empty or reaches beyond the texels"),
+            Error::Light(i) => write!(f, "light {i} has no triangle or its probability does not rise to one"),
+        }
+    }
+}
+
+impl core::error::Error for Error {}
+
+/// A scene that has been checked: every index leads somewhere, the tree is a tree of bounded depth.
+#[derive(Clone, Copy, Debug)]
+pub struct Scene<'a> {
+    data: SceneData<'a>,
+    inverse_power: f32,
+}
+
+impl<'a> Scene<'a> {
+    /// Checks `data` and borrows it.
+    ///
+    /// # Errors
+    /// The first thing found wrong: see [`Error`].
+    pub fn new(data: SceneData<'a>) -> Result<Self, Error> {
+        if data.surfaces.len() != data.triangles.len() {
+            return Err(Error::SurfaceCount);
+        }
+        check_tree(&data)?;
+        check_each(data.surfaces, Error::Surface, |s| (s.material as usize) < data.materials.len())?;
+        check_each(data.materials, Error::Material, |m| material_is_valid(m, data.textures.len()))?;
+        check_each(data.textures, Error::Texture, |t| texture_is_valid(t, data.texels.len()))?;
+        check_lights(&data)?;
+        let power = light::total_power(&data);
+        Ok(Scene { data, inverse_power: if power > 0.0 { (1.0 / power) as f32 } else { 0.0 } })
+    }
+
+    /// The slices behind the scene.
+    #[inline(always)]
+    pub fn data(&self) -> &SceneData<'a> {
+        &self.data
+    }
+
+    /// One over the lights' total power (luminance times area, up to π).
+    #[inline(always)]
+    pub(crate) fn inverse_power(&self) -> f32 {
+        self.inverse_power
+    }
+}
+
+fn check_each<T>(items: &[T], error: fn(usize) -> Error, valid: impl Fn(&T) -> bool) -> Result<(), Error> {
+    items.iter().position(|item| !valid(item)).map_or(Ok(()), |i| Err(error(i)))
+}
+
+/// Walks the hierarchy as a ray would that hits everything.
+fn check_tree(data: &SceneData) -> Result<(), Error> {
+    let mut stack = [(0u32, 0u32); STACK];
+    let mut top = usize::from(!data.nodes.is_empty());
+    let mut visited = 0;
+    while top > 0 {
+        top -= 1;
+        let (index, depth) = stack[top];
+        visited += 1;
+        if visited > data.nodes.len() {
+            return Err(Error::Node(index as usize));
+        }
+        if depth as usize >= MAX_DEPTH {
+            return Err(Error::TooDeep);
+        }
+        let node = &data.nodes[index as usize];
+        for child in (0..8).filter(|&c| node.is_used(c)) {
+            let (first, count) = (node.child[child] as usize, node.count[child] as usize);
+            if count > 0 {
+                if first.checked_add(count).is_none_or(|end| end > data.triangles.len()) {
+                    return Err(Error::Node(index as usize));
+                }
+            } else {
+                if first <= index as usize || first >= data.nodes.len() {
+                    return Err(Error::Node(index as usize));
+                }
+                stack[top] = (node.child[child], depth + 1);
+                top += 1;
+            }
+        }
+    }
+    Ok(())
+}
+
+fn material_is_valid(m: &Material, textures: usize) -> bool {
+    let unit = |c: &[f32; 3]| c.iter().all(|v| (0.0..=1.0).contains(v));
+    let emits = m.emission.iter().all(|v| v.is_finite() && *v >= 0.0);
+    let texture = m.texture == NO_TEXTURE || (m.texture as usize) < textures;
+    let rough = m.roughness > 0.0 && m.roughness <= 1.0;
+    let ior = m.ior.is_finite() && m.ior > 0.0;
+    unit(&m.diffuse) && unit(&m.specular) && emits && texture && rough && ior
+}
+
+fn texture_is_valid(t: &Texture, texels: usize) -> bool {
+    let size = (t.width as usize).checked_mul(t.height as usize);
+    let end = size.and_then(|n| n.checked_add(t.first as usize));
+    t.width > 0 && t.height > 0 && end.is_some_and(|end| end <= texels)
+}
+
+fn check_lights(data: &SceneData) -> Result<(), Error> {
+    let mut before = 0.0;
+    for (i, light) in data.lights.iter().enumerate() {
+        let there = (light.triangle as usize) < data.triangles.len();
+        if !(there && light.cumulative >= before && light.cumulative <= 1.0) {
+            return Err(Error::Light(i));
+        }
+        before = light.cumulative;
+    }
+    if data.lights.last().is_some_and(|l| l.cumulative != 1.0) {
+        return Err(Error::Light(data.lights.len() - 1));
+    }
+    Ok(())
 }

@@ -101,3 +101,29 @@ impl Neg for Vec3x8 {
         Vec3x8::new(-self.x, -self.y, -self.z)
     }
 }
+
+/// `a − b`.
+pub(crate) fn sub(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+/// `a · s`.
+pub(crate) fn scale(a: [f32; 3], s: f32) -> [f32; 3] {
+    a.map(|v| v * s)
+}
+
+/// Scalar product.
+pub(crate) fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// Vector product.
+pub(crate) fn cross(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+/// The unit vector along `a`; none where `a` is zero.
+pub(crate) fn normalized(a: [f32; 3]) -> Option<[f32; 3]> {
+    let length = libm::sqrtf(dot(a, a));
+    (length > 0.0 && length.is_finite()).then(|| scale(a, 1.0 / length))
+}

@@ -1,1 +1,15 @@
-//! Materials, lights, integrators.
+//! From hits to radiance: materials, lights and the integrators that combine them.
+//!
+//! * `hit` – what the surface is like where a ray meets it;
+//! * [`light`] – picking a point on an emitter;
+//! * `rough`, `specular` – the scattering functions;
+//! * `queue`, `shadow` – packets of paths and of shadow rays, kept full;
+//! * [`path`] – the path tracer.
+
+mod hit;
+pub mod light;
+pub mod path;
+mod queue;
+mod rough;
+mod shadow;
+mod specular;

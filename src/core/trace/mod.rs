@@ -1,1 +1,17 @@
-//! Ray packets.
+//! Rays against triangles, eight rays at a time.
+//!
+//! A [`Tracer`] walks the eight-wide hierarchy of a checked [`Scene`](crate::scene::Scene) with a packet of rays in structure-of-arrays form. A lane takes part while its `t_max` is not negative, so a packet
+//! needs no mask beside it. The walk is deterministic: a lane's answer does not depend on the other lanes, except
+//! that of two triangles at exactly the same distance the one of lower index is reported.
+//!
+//! * `ray` – packets of rays and hits, and what is precomputed for a packet;
+//! * `triangle` – the watertight triangle test;
+//! * `traverse` – the walk.
+
+mod ray;
+mod traverse;
+mod triangle;
+
+pub(crate) use ray::perpendicular;
+pub use ray::{Hits8, MISS, Rays8};
+pub use traverse::Tracer;

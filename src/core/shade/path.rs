@@ -1,0 +1,312 @@
+//! A path tracer over packets: next-event estimation, multiple importance sampling, Russian roulette.
+//!
+//! Paths advance together, bounce by bounce. A bounce traces every packet, adds what the surfaces emit, queues a
+//! shadow ray towards a light, samples the next direction and packs the survivors into full packets again (see
+//! `queue`). Light that a path meets by chance and light that was aimed at are weighted by the power heuristic
+//! (Veach 1997, section 9.2.4). Depth counts as in Mitsuba: 1 is emitted light seen directly, 2 is direct
+//! lighting. From depth 5 on a path survives with the probability of its throughput, at most 0.95.
+//!
+//! All randomness comes from the samples' own Sobol sets, three for each depth, so a sample's radiance does not
+//! depend on the samples traced beside it.
+
+use super::hit::SurfacePoints;
+use super::light::{self, luminance8};
+use super::queue::{Paths, Queue, SLACK, lane_mask};
+use super::rough::Rough;
+use super::shadow::{ShadowRays, Shadows};
+use super::specular;
+use crate::batch::{Batch8, Integrand, Rgb8};
+use crate::camera::Camera;
+use crate::scene::{Scattering, Scene};
+use crate::sobol;
+use crate::trace::{Tracer, perpendicular};
+use crate::vec3::Vec3x8;
+use wide::{f32x8, u32x8};
+
+pub use super::queue::Packet;
+
+/// Depth from which on paths may be ended by chance.
+const ROULETTE_DEPTH: u32 = 5;
+
+/// Largest probability of surviving the roulette.
+const MAX_SURVIVAL: f32 = 0.95;
+
+/// Shadow rays end this fraction before the light, so that they do not hit it.
+const SHADOW_REACH: f32 = 1.0 - 1e-4;
+
+/// Sobol sets a depth uses: light position, direction, and choices.
+const SETS: u32 = 3;
+
+/// How full packets were: rays traced over eight times the packets traced is the occupancy.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Traffic {
+    /// Packets traced for the nearest hit.
+    pub packets: u64,
+    /// Rays in them.
+    pub rays: u64,
+    /// Packets traced for occlusion.
+    pub shadow_packets: u64,
+    /// Rays in them.
+    pub shadow_rays: u64,
+}
+
+/// The path tracer. Implements [`Integrand`].
+pub struct PathTracer<'a> {
+    tracer: Tracer<'a>,
+    camera: Camera,
+    max_depth: u32,
+    queue: Queue<'a>,
+    shadows: Shadows,
+    traffic: Traffic,
+}
+
+impl<'a> PathTracer<'a> {
+    /// Packets of memory needed to work on `samples` samples at once. More samples keep the lanes fuller; above
+    /// about two thousand the gain ends and the caches overflow.
+    pub const fn required(samples: usize) -> usize {
+        samples.div_ceil(8) + SLACK
+    }
+
+    /// A path tracer for `scene` seen through `camera`, with paths of up to `max_depth` segments.
+    ///
+    /// `memory` is scratch: [`required`](Self::required) says how much. With less than needed for one packet
+    /// nothing is traced and all radiance is NaN, which the film rejects and counts.
+    pub fn new(scene: Scene<'a>, camera: Camera, max_depth: u32, memory: &'a mut [Packet]) -> Self {
+        PathTracer {
+            tracer: Tracer::new(scene),
+            camera,
+            max_depth,
+            queue: Queue::new(memory),
+            shadows: Shadows::default(),
+            traffic: Traffic::default(),
+        }
+    }
+
+    /// What has been traced so far.
+    pub fn traffic(&self) -> Traffic {
+        self.traffic
+    }
+
+    /// Fills the queue with the primary rays of `batches`.
+    fn start(&mut self, batches: &[Batch8]) {
+        self.queue.clear();
+        for (number, batch) in batches.iter().enumerate() {
+            let slot = u32x8::splat(8 * number as u32) + u32x8::new([0, 1, 2, 3, 4, 5, 6, 7]);
+            self.queue.start(&Paths {
+                origin: Vec3x8::splat(self.camera.origin()),
+                direction: self.camera.directions(batch.x, batch.y),
+                throughput: Vec3x8::splat([1.0; 3]),
+                density: f32x8::splat(f32::INFINITY),
+                compression: f32x8::ONE,
+                index: batch.index,
+                key: batch.key,
+                slot,
+                lanes: batch.lanes.clamp(1, 8),
+            });
+        }
+    }
+
+    /// Takes one packet through one bounce.
+    fn bounce(&mut self, paths: &Paths, depth: u32, radiance: &mut [Rgb8]) {
+        let rays = paths.rays();
+        self.traffic.packets += 1;
+        self.traffic.rays += u64::from(paths.lanes);
+        let hits = self.tracer.closest(&rays);
+        if !hits.any() {
+            return;
+        }
+        let surface = SurfacePoints::at(self.tracer.scene(), &rays, &hits);
+        self.add_emission(paths, &surface, hits.t, radiance);
+        if depth >= self.max_depth {
+            return;
+        }
+        let mut next = *paths;
+        let rough = surface.scatters(Scattering::Rough);
+        if rough.any() {
+            self.scatter_rough(&mut next, &surface, rough, depth, radiance);
+        }
+        let choices = sobol::point(paths.index, paths.key, SETS * depth);
+        if (surface.hit & !rough).any() {
+            scatter_specular(&mut next, &surface, choices.0);
+        }
+        let alive = roulette(&mut next, surface.hit, depth, choices.1);
+        next.origin = surface.leave(next.direction);
+        self.queue.push(&next, alive);
+    }
+
+    /// Adds what the surface emits towards the path, weighted against aiming at it.
+    fn add_emission(&self, paths: &Paths, surface: &SurfacePoints, t: f32x8, radiance: &mut [Rgb8]) {
+        let front = surface.cosine.simd_gt(f32x8::ZERO);
+        let lit = surface.hit & front & surface.emission.max_component().simd_gt(f32x8::ZERO);
+        if !lit.any() {
+            return;
+        }
+        let power = f32x8::splat(self.tracer.scene().inverse_power());
+        let aimed = luminance8(surface.emission) * power * t * t / surface.cosine;
+        let weight = power_heuristic(paths.density, aimed);
+        let value = paths.throughput.scaled(surface.emission) * weight;
+        super::shadow::accumulate(radiance, paths.slot, value, lit.to_bitmask());
+    }
+
+    /// Queues a shadow ray and samples the next direction in the lanes of `rough`.
+    fn scatter_rough(
+        &mut self,
+        next: &mut Paths,
+        surface: &SurfacePoints,
+        rough: f32x8,
+        depth: u32,
+        radiance: &mut [Rgb8],
+    ) {
+        let frame = Frame::new(surface.normal);
+        let bsdf = Rough::new(surface, frame.to_local(-next.direction));
+        if !self.tracer.scene().data().lights.is_empty() {
+            let shadow = self.aim(next, surface, &frame, &bsdf, depth);
+            let mut wanted = (rough & shadow.value.max_component().simd_gt(f32x8::ZERO)).to_bitmask();
+            while wanted != 0 {
+                wanted = self.shadows.fill(&shadow, wanted);
+                if self.shadows.lanes() == 8 {
+                    self.trace_shadows(radiance);
+                }
+            }
+        }
+        let (u, v) = sobol::point(next.index, next.key, SETS * depth - 1);
+        let (part, _) = sobol::point(next.index, next.key, SETS * depth);
+        let incoming = bsdf.sample(u, v, part);
+        let (value, density) = bsdf.evaluate(incoming);
+        let weight = value * (f32x8::ONE / density);
+        let none = Vec3x8::default();
+        let throughput = Vec3x8::select(density.simd_gt(f32x8::ZERO), next.throughput.scaled(weight), none);
+        next.throughput = Vec3x8::select(rough, throughput, next.throughput);
+        next.direction = Vec3x8::select(rough, frame.to_world(incoming), next.direction);
+        next.density = rough.select(density, next.density);
+    }
+
+    /// Shadow rays towards points on the lights, with what they carry if nothing is in between.
+    fn aim(
+        &self,
+        paths: &Paths,
+        surface: &SurfacePoints,
+        frame: &Frame,
+        bsdf: &Rough,
+        depth: u32,
+    ) -> ShadowRays {
+        let (u, v) = sobol::point(paths.index, paths.key, SETS * depth - 2);
+        let point = light::sample(self.tracer.scene(), u, v);
+        let origin = surface.leave(point.position - surface.position);
+        let toward = point.position - origin;
+        let distance = toward.length();
+        let direction = toward * (f32x8::ONE / distance);
+        let cosine = -direction.dot(point.normal);
+        let (value, scattered) = bsdf.evaluate(frame.to_local(direction));
+        let density = point.density * distance * distance / cosine;
+        let weight = power_heuristic(density, scattered) / density;
+        let value = paths.throughput.scaled(value).scaled(point.radiance) * weight;
+        let lit = cosine.simd_gt(f32x8::ZERO);
+        ShadowRays {
+            origin,
+            direction,
+            t_max: distance * f32x8::splat(SHADOW_REACH),
+            value: Vec3x8::select(lit, value, Vec3x8::default()),
+            slot: paths.slot,
+        }
+    }
+
+    fn trace_shadows(&mut self, radiance: &mut [Rgb8]) {
+        self.traffic.shadow_packets += 1;
+        self.traffic.shadow_rays += u64::from(self.shadows.lanes());
+        let rays = self.shadows.rays();
+        let free = self.shadows.take() & !self.tracer.occluded(&rays);
+        self.shadows.deliver(free, radiance);
+    }
+}
+
+impl Integrand for PathTracer<'_> {
+    fn radiance(&mut self, batch: &Batch8) -> Rgb8 {
+        let mut out = [Rgb8::default()];
+        self.stream(core::slice::from_ref(batch), &mut out);
+        out[0]
+    }
+
+    fn stream(&mut self, batches: &[Batch8], radiance: &mut [Rgb8]) {
+        let capacity = self.queue.capacity();
+        if capacity == 0 {
+            let nan = f32x8::splat(f32::NAN);
+            radiance.fill(Rgb8 { r: nan, g: nan, b: nan });
+            return;
+        }
+        for (batches, radiance) in batches.chunks(capacity).zip(radiance.chunks_mut(capacity)) {
+            radiance.fill(Rgb8::default());
+            self.start(batches);
+            for depth in 1..=self.max_depth {
+                for i in 0..self.queue.len() {
+                    let paths = self.queue.packet(i);
+                    self.bounce(&paths, depth, radiance);
+                }
+                self.queue.turn();
+            }
+            if self.shadows.lanes() > 0 {
+                self.trace_shadows(radiance);
+            }
+        }
+    }
+}
+
+/// Replaces direction and throughput in the lanes that hit a mirror or a dielectric.
+fn scatter_specular(next: &mut Paths, surface: &SurfacePoints, choice: f32x8) {
+    let infinite = f32x8::splat(f32::INFINITY);
+    let mirror = surface.scatters(Scattering::Mirror);
+    let glass = surface.scatters(Scattering::Dielectric);
+    let through = specular::dielectric(surface, next.direction, choice);
+    let mirrored = specular::reflect(next.direction, surface.normal);
+    let weight = Vec3x8::select(glass, through.weight, surface.specular);
+    let direction = Vec3x8::select(glass, through.direction, mirrored);
+    let either = mirror | glass;
+    next.throughput = Vec3x8::select(either, next.throughput.scaled(weight), next.throughput);
+    next.direction = Vec3x8::select(either, direction, next.direction);
+    next.density = either.select(infinite, next.density);
+    next.compression = glass.select(next.compression * through.compression, next.compression);
+}
+
+/// Ends paths that carry nothing, and by chance those that carry little; returns the survivors, as bits.
+fn roulette(next: &mut Paths, hit: f32x8, depth: u32, chance: f32x8) -> u32 {
+    let carried = next.throughput.max_component();
+    let mut alive = hit & carried.simd_gt(f32x8::ZERO);
+    if depth >= ROULETTE_DEPTH {
+        let survival = (carried / next.compression).fast_min(f32x8::splat(MAX_SURVIVAL));
+        alive &= chance.simd_lt(survival);
+        next.throughput = next.throughput * (f32x8::ONE / survival);
+    }
+    alive.to_bitmask() & lane_mask((1 << next.lanes) - 1).to_bitmask()
+}
+
+/// Weight of a technique of density `own` beside one of density `other`: a²/(a² + b²), without overflow.
+#[inline(always)]
+fn power_heuristic(own: f32x8, other: f32x8) -> f32x8 {
+    let ratio = other / own;
+    f32x8::ONE / (f32x8::ONE + ratio * ratio)
+}
+
+/// An orthonormal frame whose third axis is the shading normal.
+struct Frame {
+    tangent: Vec3x8,
+    bitangent: Vec3x8,
+    normal: Vec3x8,
+}
+
+impl Frame {
+    #[inline(always)]
+    fn new(normal: Vec3x8) -> Self {
+        let (tangent, bitangent) = perpendicular(normal);
+        Frame { tangent, bitangent, normal }
+    }
+
+    #[inline(always)]
+    fn to_local(&self, v: Vec3x8) -> Vec3x8 {
+        Vec3x8::new(v.dot(self.tangent), v.dot(self.bitangent), v.dot(self.normal))
+    }
+
+    #[inline(always)]
+    fn to_world(&self, v: Vec3x8) -> Vec3x8 {
+        self.tangent * v.x + self.bitangent * v.y + self.normal * v.z
+    }
+}
