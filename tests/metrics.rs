@@ -3,7 +3,8 @@
 use pmcip::error::Error;
 use pmcip::frame_io::Picture;
 use pmcip::metrics::{luminance, measure, oracle_ratio};
-use pmcip_core::tvi::tvi_scalar;
+use pmcip_core::tvi::tvi;
+use wide::f32x8;
 
 const WIDTH: u32 = 50;
 const HEIGHT: u32 = 30;
@@ -12,6 +13,10 @@ const CD: f64 = 100.0;
 fn filled(pixel: impl Fn(u32, u32) -> [f32; 3]) -> Picture {
     let rgb = (0..WIDTH * HEIGHT).map(|i| pixel(i % WIDTH, i / WIDTH)).collect();
     Picture { width: WIDTH, height: HEIGHT, rgb, ..Picture::default() }
+}
+
+fn tvi_scalar(luminance: f32) -> f32 {
+    tvi(f32x8::splat(luminance)).to_array()[0]
 }
 
 #[track_caller]

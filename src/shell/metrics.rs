@@ -15,7 +15,8 @@
 
 use crate::error::Error;
 use crate::frame_io::Picture;
-use pmcip_core::tvi::tvi_scalar;
+use pmcip_core::tvi::tvi;
+use wide::f32x8;
 
 /// Side of the low-pass box in pixels.
 const BOX: usize = 8;
@@ -100,7 +101,7 @@ fn err(error: &[f64], truth: &[f64], cd_per_unit: f64) -> f64 {
 
 /// One over the threshold of vision at a luminance in scene units.
 fn acuity(truth: f64, cd_per_unit: f64) -> f64 {
-    1.0 / f64::from(tvi_scalar((truth * cd_per_unit) as f32))
+    1.0 / f64::from(tvi(f32x8::splat((truth * cd_per_unit) as f32)).to_array()[0])
 }
 
 /// Averages over a sliding box, for each position where it lies inside the image.
