@@ -82,7 +82,8 @@ fn groups_objects_and_materials_all_arrive() {
     );
     let mtl = "newmtl blue\nKd 0 0 1\nnewmtl red\nKd 1 0 0\n";
     let scene = load_files(&[("scene.obj", &text), ("m.mtl", mtl)]);
-    let red = scene.surfaces.iter().filter(|s| scene.materials[s.material as usize].diffuse == [1.0, 0.0, 0.0]);
+    let red =
+        scene.surfaces.iter().filter(|s| scene.materials[s.material as usize].diffuse == [1.0, 0.0, 0.0]);
     assert_eq!((scene.triangles.len(), red.count()), (4, 3));
 }
 
@@ -119,7 +120,11 @@ fn the_winding_decides_the_front() {
 fn degenerate_triangles_are_left_out_and_counted() {
     let scene = load_obj("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0.1 0.3 0\nv 0.2 0.6 0\nf 1 2 3\nf 1 1 2\nf 1 4 5\n");
     assert_eq!(scene.triangles.len(), 1);
-    assert!(scene.warnings[0].ends_with("scene.obj: 2 triangles without area left out"), "{:?}", scene.warnings);
+    assert!(
+        scene.warnings[0].ends_with("scene.obj: 2 triangles without area left out"),
+        "{:?}",
+        scene.warnings
+    );
 }
 
 #[test]
@@ -135,7 +140,9 @@ fn materials_that_are_missing_are_grey_and_named() {
 #[test]
 fn material_files_may_have_blanks_in_their_names_or_be_several() {
     let mtl = |name: &str| format!("newmtl {name}\nKd 0 0 0\n");
-    let both = format!("mtllib a.mtl b.mtl\nmtllib c d.mtl\n{SQUARE}usemtl a\nf 1 2 3\nusemtl b\nf 1 2 4\nusemtl c d\nf 2 3 4\n");
+    let both = format!(
+        "mtllib a.mtl b.mtl\nmtllib c d.mtl\n{SQUARE}usemtl a\nf 1 2 3\nusemtl b\nf 1 2 4\nusemtl c d\nf 2 3 4\n"
+    );
     let scene = load_files(&[
         ("scene.obj", &both),
         ("a.mtl", &mtl("a")),
@@ -169,7 +176,10 @@ fn material_values_arrive() {
     let (glass, _) = material("Ks 0.1 0.1 0.1\nTf 0.2 0.2 0.2\nNi 1.33\nillum 7\n");
     assert_eq!((glass.ior, glass.specular), (1.33, [1.0; 3]));
     let (rough, warnings) = material("Kd 0.4\nKs 0.1 0.2 0.3 # comment\nNs 198\nKe 17 12 4\nillum 2\n");
-    assert_eq!((rough.diffuse, rough.specular, rough.emission), ([0.4; 3], [0.1, 0.2, 0.3], [17.0, 12.0, 4.0]));
+    assert_eq!(
+        (rough.diffuse, rough.specular, rough.emission),
+        ([0.4; 3], [0.1, 0.2, 0.3], [17.0, 12.0, 4.0])
+    );
     assert!((rough.roughness - 0.1).abs() < 1e-6);
     assert!(warnings.is_empty(), "{warnings:?}");
 }
@@ -185,7 +195,8 @@ fn materials_that_would_make_light_are_clamped_or_named() {
 
 /// A scene of one textured square; `image` is written as `picture.png`.
 fn textured(map: &str, pixels: Option<image::RgbImage>) -> LoadedScene {
-    let obj = format!("mtllib m.mtl\n{SQUARE}vt 0 0\nvt 1 0\nvt 1 1\nusemtl a\nf 1/1 2/2 3/3\nusemtl b\nf 1 3 4\n");
+    let obj =
+        format!("mtllib m.mtl\n{SQUARE}vt 0 0\nvt 1 0\nvt 1 1\nusemtl a\nf 1/1 2/2 3/3\nusemtl b\nf 1 3 4\n");
     let mtl = format!("newmtl a\nmap_Kd {map}\nnewmtl b\nKd 0.5 0.5 0.5\nmap_Kd {map}\n");
     let dir = folder(&[("scene.obj", &obj), ("m.mtl", &mtl)]);
     if let Some(pixels) = pixels {
@@ -202,7 +213,10 @@ fn textures_are_read_once_and_made_linear() {
     assert_eq!((scene.textures[0].width, scene.textures[0].height, scene.textures[0].first), (2, 1, 0));
     assert!(close(scene.texels[0], [0.0, 0.502_886, 0.003_035]), "{:?}", scene.texels);
     assert_eq!(scene.texels[1][0], 1.0);
-    assert_eq!(scene.materials.iter().map(|m| (m.texture, m.diffuse[0])).collect::<Vec<_>>(), [(0, 1.0), (0, 0.5)]);
+    assert_eq!(
+        scene.materials.iter().map(|m| (m.texture, m.diffuse[0])).collect::<Vec<_>>(),
+        [(0, 1.0), (0, 0.5)]
+    );
 }
 
 #[test]
@@ -246,7 +260,10 @@ fn placed(keys: &str) -> LoadedScene {
 fn meshes_are_scaled_then_turned_then_moved() {
     let scene = placed("translate = [10, 0, 0]\nrotate = [0, 0, 90]\nscale = [2, 3, 1]\n");
     let [a, b, c] = scene.triangles[0].corners;
-    assert!(close(a, [10.0, 0.0, 0.0]) && close(b, [10.0, 2.0, 0.0]) && close(c, [7.0, 0.0, 0.0]), "{a:?}{b:?}{c:?}");
+    assert!(
+        close(a, [10.0, 0.0, 0.0]) && close(b, [10.0, 2.0, 0.0]) && close(c, [7.0, 0.0, 0.0]),
+        "{a:?}{b:?}{c:?}"
+    );
     let turned = placed("rotate = [90, 90, 0]\n");
     assert!(close(turned.triangles[0].corners[2], [1.0, 0.0, 0.0]), "{:?}", turned.triangles);
 }
@@ -255,7 +272,8 @@ fn meshes_are_scaled_then_turned_then_moved() {
 fn normals_follow_stretched_meshes() {
     // A plane of slope 1 stretched along z: its normal keeps pointing away from it.
     let slope = "v 0 0 0\nv 1 0 1\nv 0 1 0\nvn -1 0 1\nf 1//1 2//1 3//1\n";
-    let scene = load_files(&[("s.toml", "[[meshes]]\nfile = \"t.obj\"\nscale = [1, 1, 4]\n"), ("t.obj", slope)]);
+    let scene =
+        load_files(&[("s.toml", "[[meshes]]\nfile = \"t.obj\"\nscale = [1, 1, 4]\n"), ("t.obj", slope)]);
     assert!(close(scene.surfaces[0].normals[0], front(&scene, 0).normalize().to_array()));
 }
 
@@ -313,7 +331,9 @@ fn a_material_override_needs_no_material_file() {
     let text = "[[meshes]]\nfile = \"o.obj\"\nmaterial = \"m\"\n[materials.m]\nkind = \"mirror\"\n";
     let scene = load_files(&[("s.toml", text), ("o.obj", obj)]);
     assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
-    assert!(scene.surfaces.iter().all(|s| scene.materials[s.material as usize].scattering == Scattering::Mirror));
+    assert!(
+        scene.surfaces.iter().all(|s| scene.materials[s.material as usize].scattering == Scattering::Mirror)
+    );
 }
 
 #[test]
