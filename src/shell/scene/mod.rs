@@ -1,3 +1,163 @@
-//! Scenes on disk, and what they become.
+//! Scenes from disk: a scene file (TOML) or a bare OBJ becomes the arrays that the core borrows.
+//!
+//! [`load`] reads everything, reports what it had to guess in [`LoadedScene::warnings`], and refuses what it
+//! cannot understand with one line that names the file and the line. Lengths are scene units, colours linear
+//! Rec. 709, angles degrees.
+//!
+//! # The scene file
+//!
+//! ```toml
+//! [film]                      # optional, as is every key in it
+//! width = 512
+//! height = 512
+//! cd_per_unit = 100.0         # luminance in cd/m² of radiance 1
+//!
+//! [render]                    # optional defaults for the command line
+//! spp = 64
+//! max_depth = 8
+//!
+//! [camera]                    # optional; without it the view is framed on the scene
+//! from = [278, 273, -800]
+//! at = [278, 273, 0]
+//! up = [0, 1, 0]              # this is the default
+//! fov = 39.3                  # vertical
+//!
+//! [[meshes]]
+//! file = "room.obj"           # relative to the scene file
+//! scale = 2.0                 # or one factor an axis; applied first
+//! rotate = [0, 30, 0]         # then about the fixed x, y and z axis, in this order
+//! translate = [1, 0, 0]       # last
+//! material = "white"          # instead of the mesh's own
+//!
+//! [[spheres]]
+//! center = [190, 120, 170]
+//! radius = 90
+//! subdivisions = 6            # of an icosahedron: 20·4ⁿ triangles
+//! material = "glass"
+//!
+//! [[lights]]                  # a rectangle that shines along edge_u × edge_v
+//! center = [278, 547.8, 279.5]
+//! edge_u = [65, 0, 0]         # half edges
+//! edge_v = [0, 0, 52.5]
+//! radiance = [18, 11, 3]
+//!
+//! [materials.glass]
+//! kind = "glass"              # "rough" (default), "mirror" or "glass"
+//! ior = 1.5
+//! diffuse = [0.5, 0.5, 0.5]   # rough
+//! specular = [1, 1, 1]        # rough: at normal incidence; mirror and glass: tint
+//! roughness = 0.3             # rough: width of the GGX lobe
+//! emission = [0, 0, 0]        # radiance, front side
+//! ```
 
+mod assemble;
 pub mod bvh;
+mod error;
+mod file;
+mod mtl;
+mod obj;
+mod obj_text;
+mod place;
+mod shapes;
+mod texture;
+mod value;
+
+pub use error::Error;
+/// The largest width or height of an image, in pixels.
+pub const MAX_SIZE: u32 = 16384;
+
+use pmcip_core::scene::{Light, Material, Node8, SceneData, Surface, Texture, Triangle};
+use std::path::{Path, PathBuf};
+
+/// From where a scene is seen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct View {
+    /// The eye.
+    pub from: [f32; 3],
+    /// A point in the middle of the image.
+    pub at: [f32; 3],
+    /// A direction that points up in the image.
+    pub up: [f32; 3],
+    /// Vertical field of view in degrees.
+    pub fov: f32,
+}
+
+/// A scene in memory, ready to be lent to the core.
+#[derive(Clone, Debug)]
+pub struct LoadedScene {
+    /// The file's name without its extension.
+    pub name: String,
+    /// The file it came from.
+    pub path: PathBuf,
+    /// Hierarchy over the triangles.
+    pub nodes: Vec<Node8>,
+    /// Triangles in leaf order.
+    pub triangles: Vec<Triangle>,
+    /// One a triangle.
+    pub surfaces: Vec<Surface>,
+    /// Materials.
+    pub materials: Vec<Material>,
+    /// Textures.
+    pub textures: Vec<Texture>,
+    /// Texels of all textures.
+    pub texels: Vec<[f32; 3]>,
+    /// Emitting triangles.
+    pub lights: Vec<Light>,
+    /// The camera.
+    pub view: View,
+    /// Image width in pixels.
+    pub width: u32,
+    /// Image height in pixels.
+    pub height: u32,
+    /// Luminance in cd/m² of radiance 1.
+    pub cd_per_unit: f32,
+    /// Samples a pixel that the scene asks for.
+    pub spp: Option<u32>,
+    /// Path depth that the scene asks for.
+    pub max_depth: Option<u32>,
+    /// What the loader had to guess or leave out, one line each.
+    pub warnings: Vec<String>,
+}
+
+impl LoadedScene {
+    /// The scene as the core sees it.
+    pub fn data(&self) -> SceneData<'_> {
+        SceneData {
+            nodes: &self.nodes,
+            triangles: &self.triangles,
+            surfaces: &self.surfaces,
+            materials: &self.materials,
+            textures: &self.textures,
+            texels: &self.texels,
+            lights: &self.lights,
+        }
+    }
+
+    /// Makes sure that something shines, before time is spent on a black image.
+    ///
+    /// # Errors
+    /// If no triangle emits.
+    pub fn require_light(&self) -> Result<(), Error> {
+        if !self.lights.is_empty() {
+            return Ok(());
+        }
+        let remedy = if is_obj(&self.path) {
+            "give a material in the MTL file an emission (Ke)"
+        } else {
+            "add [[lights]] or a material with emission"
+        };
+        Err(Error::in_file(&self.path, format!("no light: {remedy}")))
+    }
+}
+
+/// Loads a scene file, or an OBJ as a scene of its own.
+///
+/// # Errors
+/// If a file cannot be read or understood, or holds no triangle.
+pub fn load(path: &Path) -> Result<LoadedScene, Error> {
+    if is_obj(path) { obj::load_scene(path) } else { file::load_scene(path) }
+}
+
+fn is_obj(path: &Path) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("obj"))
+}

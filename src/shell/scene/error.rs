@@ -1,0 +1,53 @@
+//! What can be wrong with a scene on disk.
+
+use std::path::{Path, PathBuf};
+
+/// Bad input: one line that names the file and, where known, the line in it.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A file could not be read.
+    #[error("{path}: {source}")]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// Why not.
+        source: std::io::Error,
+    },
+    /// A line of a file is wrong.
+    #[error("{path}:{line}: {message}")]
+    Line {
+        /// The file.
+        path: PathBuf,
+        /// The line, counted from 1.
+        line: usize,
+        /// What is wrong and what was expected.
+        message: String,
+    },
+    /// A file as a whole is wrong.
+    #[error("{path}: {message}")]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong and what was expected.
+        message: String,
+    },
+}
+
+impl Error {
+    pub(super) fn at(path: &Path, line: usize, message: impl Into<String>) -> Error {
+        Error::Line { path: path.to_owned(), line, message: message.into() }
+    }
+
+    pub(super) fn in_file(path: &Path, message: impl Into<String>) -> Error {
+        Error::File { path: path.to_owned(), message: message.into() }
+    }
+}
+
+/// The text of a file; bytes that are not UTF-8 become replacement characters.
+pub(super) fn read(path: &Path) -> Result<String, Error> {
+    match std::fs::read(path) {
+        Ok(bytes) => Ok(String::from_utf8_lossy(&bytes).into_owned()),
+        Err(source) => Err(Error::Read { path: path.to_owned(), source }),
+    }
+}

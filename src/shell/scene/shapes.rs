@@ -1,0 +1,46 @@
+//! Shapes the scene file knows by name, as triangles: sphere and rectangle.
+
+use super::assemble::Corner;
+use glam::Vec3;
+
+/// A sphere as an icosahedron whose triangles are split in four `subdivisions` times, with the sphere's normals.
+pub(super) fn sphere(center: Vec3, radius: f32, subdivisions: u32) -> Vec<[Corner; 3]> {
+    let mut triangles = icosahedron();
+    for _ in 0..subdivisions {
+        triangles = triangles.into_iter().flat_map(split).collect();
+    }
+    let corner = |n: Vec3| Corner { position: center + radius * n, normal: n, ..Corner::default() };
+    triangles.into_iter().map(|t| t.map(corner)).collect()
+}
+
+/// A rectangle of half edges `u` and `v`, its front along `u × v`.
+pub(super) fn rectangle(center: Vec3, u: Vec3, v: Vec3) -> [[Corner; 3]; 2] {
+    let [a, b, c, d] = [center - u - v, center + u - v, center + u + v, center - u + v]
+        .map(|position| Corner { position, ..Corner::default() });
+    [[a, b, c], [a, c, d]]
+}
+
+/// Four triangles from one, on the unit sphere.
+fn split([a, b, c]: [Vec3; 3]) -> [[Vec3; 3]; 4] {
+    let (ab, bc, ca) = ((a + b).normalize(), (b + c).normalize(), (c + a).normalize());
+    [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
+}
+
+/// The 20 faces of an icosahedron in the unit sphere, counter-clockwise from outside.
+fn icosahedron() -> Vec<[Vec3; 3]> {
+    // Two poles and two rings of five, the lower ring turned by half a step.
+    let height = 1.0 / 5f32.sqrt();
+    let ring = |y: f32, turn: f32, i: usize| {
+        let angle = (i as f32 + turn) * std::f32::consts::TAU / 5.0;
+        let radius = (1.0 - y * y).sqrt();
+        Vec3::new(radius * angle.sin(), y, radius * angle.cos())
+    };
+    let upper: Vec<Vec3> = (0..6).map(|i| ring(height, 0.0, i % 5)).collect();
+    let lower: Vec<Vec3> = (0..6).map(|i| ring(-height, 0.5, i % 5)).collect();
+    (0..5)
+        .flat_map(|i| {
+            let (u, u2, l, l2) = (upper[i], upper[i + 1], lower[i], lower[i + 1]);
+            [[Vec3::Y, u, u2], [u, l, u2], [u2, l, l2], [Vec3::NEG_Y, l2, l]]
+        })
+        .collect()
+}

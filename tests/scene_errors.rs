@@ -1,0 +1,202 @@
+//! Bad input: one clear line that names the file and, where it can, the line and the field.
+
+use pmcip::scene::load;
+use std::path::Path;
+
+/// The message for the first of the given files, without the path of its folder.
+fn message(files: &[(&str, &str)]) -> String {
+    let dir = tempfile::tempdir().unwrap();
+    for (name, text) in files {
+        std::fs::write(dir.path().join(name), text).unwrap();
+    }
+    let error = match load(&dir.path().join(files[0].0)) {
+        Ok(scene) => scene.require_light().expect_err("the input is accepted"),
+        Err(error) => error,
+    };
+    let message = error.to_string();
+    assert!(!message.contains('\n'), "more than one line: {message}");
+    message.replace(&format!("{}{}", dir.path().display(), std::path::MAIN_SEPARATOR), "")
+}
+
+#[track_caller]
+fn obj_fails(text: &str, expected: &str) {
+    assert_eq!(message(&[("s.obj", text)]), expected);
+}
+
+#[track_caller]
+fn mtl_fails(text: &str, expected: &str) {
+    let obj = "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n";
+    assert_eq!(message(&[("s.obj", obj), ("m.mtl", text)]), expected);
+}
+
+#[track_caller]
+fn toml_fails(text: &str, expected: &str) {
+    assert_eq!(message(&[("s.toml", text)]), expected);
+}
+
+const CORNERS: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+
+#[test]
+fn files_that_are_not_there_are_named() {
+    for name in ["nowhere/x.obj", "nowhere/x.toml"] {
+        let message = load(Path::new(name)).unwrap_err().to_string();
+        assert!(message.starts_with(&format!("{name}: ")) && message.contains("No such file"), "{message}");
+    }
+    let message = message(&[("s.toml", "[[meshes]]\nfile = \"gone.obj\"\n")]);
+    assert!(message.starts_with("gone.obj: "), "{message}");
+}
+
+#[test]
+fn truncated_objs_name_the_line() {
+    obj_fails(&format!("{CORNERS}v 1 1"), "s.obj:4: vertex: expected 3 numbers, found 2");
+    obj_fails(&format!("{CORNERS}v 1 1 -"), "s.obj:4: vertex: expected a number, found \"-\"");
+    obj_fails(&format!("{CORNERS}f 1 2"), "s.obj:4: face: expected at least 3 corners, found 2");
+    obj_fails(&format!("{CORNERS}f"), "s.obj:4: face: expected at least 3 corners, found 0");
+    obj_fails(
+        &format!("{CORNERS}f 1 2 3/"),
+        "s.obj: no light: give a material in the MTL file an emission (Ke)",
+    );
+    obj_fails(CORNERS, "s.obj: no faces");
+    obj_fails("", "s.obj: no faces");
+}
+
+#[test]
+fn indices_out_of_range_name_the_line_and_the_range() {
+    let face = |f: &str| format!("{CORNERS}vt 0 0\n\nf {f}\n");
+    let vertex = |given: &str, corner: &str| {
+        format!("s.obj:6: face corner \"{corner}\": vertex index {given} is out of range, there are 3")
+    };
+    obj_fails(&face("1 2 4"), &vertex("4", "4"));
+    obj_fails(&face("0 1 2"), &vertex("0", "0"));
+    obj_fails(&face("-4 1 2"), &vertex("-4", "-4"));
+    obj_fails(&face("1 2 99999999999999"), &vertex("99999999999999", "99999999999999"));
+    obj_fails(
+        &face("1/1 2/2 3/1"),
+        "s.obj:6: face corner \"2/2\": texture coordinate index 2 is out of range, there are 1",
+    );
+    obj_fails(
+        &face("1//1 2 3"),
+        "s.obj:6: face corner \"1//1\": normal index 1 is out of range, there are 0",
+    );
+    obj_fails(&face("1 2 x"), "s.obj:6: face corner \"x\": vertex index is not a whole number");
+    obj_fails(
+        &face("1 2 3/1/1/1"),
+        "s.obj:6: face corner \"3/1/1/1\": normal index 1 is out of range, there are 0",
+    );
+}
+
+#[test]
+fn numbers_that_are_not_finite_name_the_line() {
+    obj_fails(&format!("{CORNERS}v 0 nan 0\nf 1 2 3\n"), "s.obj:4: vertex: a coordinate is not finite");
+    obj_fails(&format!("{CORNERS}v 0 1e99 0\nf 1 2 3\n"), "s.obj:4: vertex: a coordinate is not finite");
+    obj_fails(&format!("{CORNERS}vt inf 0\n"), "s.obj:4: texture coordinate: a coordinate is not finite");
+}
+
+#[test]
+fn scenes_without_area_are_empty() {
+    obj_fails("v 0 0 0\nv 1 0 0\nf 1 2 1\n", "s.obj: the scene is empty: no triangle has an area");
+    toml_fails("", "s.toml: the scene is empty: no triangle has an area");
+}
+
+#[test]
+fn material_files_name_line_material_and_key() {
+    mtl_fails("newmtl m\nKd 1 x 1\n", "m.mtl:2: material \"m\": Kd: expected a finite number, found \"x\"");
+    mtl_fails(
+        "newmtl m\nKe 1 1\n",
+        "m.mtl:2: material \"m\": Ke: expected a number, found the end of the line",
+    );
+    mtl_fails("newmtl m\nKs nan\n", "m.mtl:2: material \"m\": Ks: expected a finite number, found \"nan\"");
+    mtl_fails("newmtl m\nNs\n", "m.mtl:2: material \"m\": Ns: expected a number, found the end of the line");
+    mtl_fails("newmtl m\nTf a\n", "m.mtl:2: material \"m\": Tf: expected a finite number, found \"a\"");
+    mtl_fails(
+        "newmtl m\nillum two\n",
+        "m.mtl:2: material \"m\": illum: expected a finite number, found \"two\"",
+    );
+    mtl_fails("newmtl\n", "m.mtl:1: material \"\": newmtl: expected a name");
+    mtl_fails("newmtl m\nmap_Kd\n", "m.mtl:2: material \"m\": map_Kd: expected a name");
+    mtl_fails("newmtl m\nNi 0\nillum 7\n", "m.mtl: material \"m\": Ni: expected an index above 0");
+}
+
+#[test]
+fn scenes_without_light_say_what_to_add() {
+    obj_fails(
+        &format!("{CORNERS}f 1 2 3\n"),
+        "s.obj: no light: give a material in the MTL file an emission (Ke)",
+    );
+    let sphere =
+        "[[spheres]]\ncenter = [0, 0, 0]\nradius = 1\nsubdivisions = 1\nmaterial = \"m\"\n[materials.m]\n";
+    toml_fails(sphere, "s.toml: no light: add [[lights]] or a material with emission");
+}
+
+#[test]
+fn unknown_keys_name_key_and_line() {
+    toml_fails(
+        "[film]\nwidth = 8\nheigth = 8\n",
+        "s.toml:3: unknown field `heigth`, expected one of `width`, `height`, `cd_per_unit` in `film`",
+    );
+    assert!(
+        message(&[("s.toml", "\n[sky]\n")]).starts_with("s.toml:2: unknown field `sky`, expected one of")
+    );
+}
+
+#[test]
+fn values_out_of_range_name_key_and_line() {
+    let size = "expected a size from 1 to 16384";
+    toml_fails("[film]\nwidth = 0\n", &format!("s.toml:2: {size} in `film.width`"));
+    toml_fails("[film]\nheight = 16385\n", &format!("s.toml:2: {size} in `film.height`"));
+    toml_fails(
+        "[film]\ncd_per_unit = inf\n",
+        "s.toml:2: expected a finite number above 0 in `film.cd_per_unit`",
+    );
+    assert!(message(&[("s.toml", "[film]\nwidth = -1\n")]).starts_with("s.toml:2: "));
+    assert!(message(&[("s.toml", "[film]\nwidth = \"a\"\n")]).starts_with("s.toml:2: "));
+    assert!(message(&[("s.toml", "[render]\nspp = 0\n")]).starts_with("s.toml:2: "));
+    let mesh = |key: &str| format!("[[meshes]]\nfile = \"a.obj\"\n{key}\n");
+    toml_fails(&mesh("scale = 0"), "s.toml:3: expected finite factors other than 0 in `meshes.scale`");
+    toml_fails(&mesh("scale = \"big\""), "s.toml:3: expected a number or three numbers in `meshes.scale`");
+    toml_fails(
+        &mesh("translate = [0, nan, 0]"),
+        "s.toml:3: expected three finite numbers in `meshes.translate`",
+    );
+    let red = "[materials.red]\ndiffuse = [2, 0, 0]\n";
+    toml_fails(red, "s.toml:2: expected three numbers from 0 to 1 in `materials.red.diffuse`");
+    toml_fails("[film\n", "s.toml:1: unclosed table, expected `]`");
+}
+
+#[test]
+fn cameras_that_see_nothing_name_the_line() {
+    let camera = |from: &str, up: &str, fov: &str| {
+        format!("[camera]\nfrom = {from}\nat = [0, 0, 0]\nup = {up}\nfov = {fov}\n")
+    };
+    let up = "[0, 1, 0]";
+    toml_fails(&camera("[0, 0, 0]", up, "40"), "s.toml:1: camera: from and at are the same point");
+    toml_fails(&camera("[0, 5, 0]", up, "40"), "s.toml:1: camera: up is parallel to the view");
+    toml_fails(&camera("[0, 0, 5]", "[0, 0, 0]", "40"), "s.toml:1: camera: up has no direction");
+    let angle = "s.toml:5: expected an angle between 0 and 180 degrees in `camera.fov`";
+    toml_fails(&camera("[0, 0, 5]", up, "180"), angle);
+    toml_fails(&camera("[0, 0, 5]", up, "nan"), angle);
+    assert!(
+        message(&[("s.toml", "[camera]\nfrom = [0, 0, 1]\n")]).starts_with("s.toml:1: missing field `at`")
+    );
+}
+
+#[test]
+fn names_that_lead_nowhere_name_the_line() {
+    toml_fails(
+        "[[meshes]]\nfile = \"a.obj\"\nmaterial = \"gold\"\n",
+        "s.toml:3: material \"gold\" is not among [materials]",
+    );
+    let light =
+        "[[lights]]\ncenter = [0, 0, 0]\nedge_u = [1, 0, 0]\nedge_v = [2, 0, 0]\nradiance = [1, 1, 1]\n";
+    toml_fails(light, "s.toml:1: lights: edge_u and edge_v span no area");
+}
+
+#[test]
+fn binary_files_do_no_harm() {
+    let dir = tempfile::tempdir().unwrap();
+    for name in ["s.obj", "s.toml"] {
+        let path = dir.path().join(name);
+        std::fs::write(&path, (0..=255u8).cycle().take(4096).collect::<Vec<_>>()).unwrap();
+        assert!(!load(&path).unwrap_err().to_string().contains('\n'));
+    }
+}

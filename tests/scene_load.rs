@@ -1,0 +1,366 @@
+//! What the scene loader makes of OBJ, MTL and scene files.
+
+use pmcip::scene::{LoadedScene, load};
+use pmcip_core::scene::{Material, NO_TEXTURE, Scattering};
+use std::path::Path;
+use tempfile::TempDir;
+
+/// A folder with the given files.
+fn folder(files: &[(&str, &str)]) -> TempDir {
+    let dir = tempfile::tempdir().unwrap();
+    for (name, text) in files {
+        std::fs::write(dir.path().join(name), text).unwrap();
+    }
+    dir
+}
+
+/// Loads the first of the given files.
+fn load_files(files: &[(&str, &str)]) -> LoadedScene {
+    let dir = folder(files);
+    load(&dir.path().join(files[0].0)).unwrap()
+}
+
+fn load_obj(text: &str) -> LoadedScene {
+    load_files(&[("scene.obj", text)])
+}
+
+/// The material of an OBJ that uses one called `m`.
+fn material(mtl: &str) -> (Material, Vec<String>) {
+    let obj = "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n";
+    let scene = load_files(&[("scene.obj", obj), ("m.mtl", &format!("newmtl m\n{mtl}"))]);
+    (scene.materials[scene.surfaces[0].material as usize], scene.warnings)
+}
+
+/// Unnormalised geometric normal of a triangle.
+fn front(scene: &LoadedScene, i: usize) -> glam::Vec3 {
+    let [a, b, c] = scene.triangles[i].corners.map(glam::Vec3::from);
+    (b - a).cross(c - a)
+}
+
+fn total_area(scene: &LoadedScene) -> f32 {
+    (0..scene.triangles.len()).map(|i| 0.5 * front(scene, i).length()).sum()
+}
+
+const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+
+fn close(a: [f32; 3], b: [f32; 3]) -> bool {
+    glam::Vec3::from(a).distance(b.into()) < 1e-5
+}
+
+#[test]
+fn polygons_become_triangles_of_the_same_area() {
+    let scene = load_obj(&format!("{SQUARE}f 1 2 3 4\n"));
+    assert_eq!((scene.triangles.len(), total_area(&scene)), (2, 1.0));
+    let hexagon = load_obj("v 0 0 0\nv 1 0 0\nv 2 1 0\nv 2 2 0\nv 1 2 0\nv 0 1 0\nf 1 2 3 4 5 6\n");
+    assert_eq!((hexagon.triangles.len(), total_area(&hexagon)), (4, 3.0));
+    assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+}
+
+#[test]
+fn negative_indices_count_back_from_where_they_stand() {
+    let relative = load_obj("v 9 9 9\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf -3 -2 -1\nv 5 5 5\n");
+    let absolute = load_obj("v 9 9 9\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 2 3 4\nv 5 5 5\n");
+    assert_eq!(relative.triangles, absolute.triangles);
+}
+
+#[test]
+fn odd_but_legal_lines_are_understood() {
+    let text = "# comment\r\n\tv 0 0 0 1.0\r\nv 1 0 \\\r\n0\r\nv 0 1 0 0.5 0.5 0.5\r\nvt 0.5\r\ns off\r\nl 1 2\r\n\
+                o thing\r\ng a b\r\nf 1 2 3 # a face\r\n";
+    assert_eq!(load_obj(text).triangles[0].corners, [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
+}
+
+#[test]
+fn faces_may_come_before_their_vertices() {
+    assert_eq!(load_obj("usemtl a\nf 1 2 3\nusemtl b\nv 0 0 0\nv 1 0 0\nv 0 1 0\n").triangles.len(), 1);
+}
+
+#[test]
+fn groups_objects_and_materials_all_arrive() {
+    let text = format!(
+        "mtllib m.mtl\n{SQUARE}o one\nusemtl red\nf 1 2 3\ng two\nf 1 3 4\nusemtl blue\nf 1 2 4\no three\nusemtl red\nf 2 3 4\n"
+    );
+    let mtl = "newmtl blue\nKd 0 0 1\nnewmtl red\nKd 1 0 0\n";
+    let scene = load_files(&[("scene.obj", &text), ("m.mtl", mtl)]);
+    let red =
+        scene.surfaces.iter().filter(|s| scene.materials[s.material as usize].diffuse == [1.0, 0.0, 0.0]);
+    assert_eq!((scene.triangles.len(), red.count()), (4, 3));
+}
+
+#[test]
+fn normals_are_unit_on_the_front_and_flat_where_missing() {
+    let normals = "vn 0 0 2\nvn 0.1 0 1\nvn 0 0 0\nvn nan 0 0\n";
+    let smooth = load_obj(&format!("{SQUARE}{normals}f 1//1 2//2 3//1\n"));
+    let given = smooth.surfaces[0].normals;
+    assert!(close(given[0], [0.0, 0.0, 1.0]));
+    assert!(given.iter().all(|n| (glam::Vec3::from(*n).length() - 1.0).abs() < 1e-6));
+    for face in ["f 1 2 3", "f 1//1 2//1 3//3", "f 1//1 2//1 3//4", "f 1//1 2//1 3"] {
+        let scene = load_obj(&format!("{SQUARE}{normals}{face}\n"));
+        assert_eq!(scene.surfaces[0].normals, [[0.0; 3]; 3], "{face}");
+    }
+}
+
+#[test]
+fn attributes_of_some_corners_do_not_slip_to_others() {
+    // One face with all attributes, one with none, one with some: tobj alone would mix them up.
+    let text = format!("{SQUARE}vt 0.25 0.75\nvn 0 0 1\nf 1 2 3\nf 1/1/1 3/1/1 4/1/1\nf 1/1 2 4//1\n");
+    let scene = load_obj(&text);
+    let smooth = scene.surfaces.iter().filter(|s| s.normals == [[0.0, 0.0, 1.0]; 3]);
+    assert_eq!(smooth.map(|s| s.uv).collect::<Vec<_>>(), [[[0.25, 0.75]; 3]]);
+}
+
+#[test]
+fn the_winding_decides_the_front() {
+    let scene = load_obj("v 0 0 0\nv 0 1 0\nv 1 0 0\nvn 0 0 1\nf 1//1 2//1 3//1\n");
+    assert!(close(scene.surfaces[0].normals[0], [0.0, 0.0, -1.0]));
+    assert!(scene.warnings[0].contains("1 triangles have normals on the back"), "{:?}", scene.warnings);
+}
+
+#[test]
+fn degenerate_triangles_are_left_out_and_counted() {
+    let scene = load_obj("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0.1 0.3 0\nv 0.2 0.6 0\nf 1 2 3\nf 1 1 2\nf 1 4 5\n");
+    assert_eq!(scene.triangles.len(), 1);
+    assert!(
+        scene.warnings[0].ends_with("scene.obj: 2 triangles without area left out"),
+        "{:?}",
+        scene.warnings
+    );
+}
+
+#[test]
+fn materials_that_are_missing_are_grey_and_named() {
+    let text = format!("mtllib gone.mtl\n{SQUARE}usemtl velvet\nf 1 2 3\n");
+    let scene = load_obj(&text);
+    assert_eq!(scene.materials[0], Material::default());
+    assert!(scene.warnings[0].contains("gone.mtl is missing"), "{:?}", scene.warnings);
+    assert!(scene.warnings[1].contains("no MTL file defines \"velvet\""), "{:?}", scene.warnings);
+    assert!(load_obj(&format!("{SQUARE}f 1 2 3\n")).warnings.is_empty());
+}
+
+#[test]
+fn material_files_may_have_blanks_in_their_names_or_be_several() {
+    let mtl = |name: &str| format!("newmtl {name}\nKd 0 0 0\n");
+    let both = format!(
+        "mtllib a.mtl b.mtl\nmtllib c d.mtl\n{SQUARE}usemtl a\nf 1 2 3\nusemtl b\nf 1 2 4\nusemtl c d\nf 2 3 4\n"
+    );
+    let scene = load_files(&[
+        ("scene.obj", &both),
+        ("a.mtl", &mtl("a")),
+        ("b.mtl", &mtl("b")),
+        ("c d.mtl", &mtl("c d")),
+    ]);
+    assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+    assert!(scene.materials.iter().all(|m| m.diffuse == [0.0; 3]));
+}
+
+#[test]
+fn illumination_models_choose_the_scattering() {
+    let kind = |mtl: &str| material(mtl).0.scattering;
+    for model in [3, 5] {
+        assert_eq!(kind(&format!("Ks 0.9 0.8 0.7\nillum {model}\n")), Scattering::Mirror);
+    }
+    for model in [4, 6, 7, 9] {
+        assert_eq!(kind(&format!("Ni 1.33\nillum {model}\n")), Scattering::Dielectric);
+    }
+    assert_eq!(kind("d 0.5\nNi 1.5\n"), Scattering::Dielectric);
+    assert_eq!(kind("Tf 0.9 0.9 0.9\nNi 1.5\nillum 2\n"), Scattering::Dielectric);
+    assert_eq!(kind("Tf 1 1 1\nd 1\nNi 1.5\nillum 2\n"), Scattering::Rough);
+    assert_eq!(kind("d 0.5\nNi 1\n"), Scattering::Rough);
+    assert_eq!(kind("d 0.5\n"), Scattering::Rough);
+}
+
+#[test]
+fn material_values_arrive() {
+    let (mirror, _) = material("Ks 0.9 0.8 0.7\nillum 5\n");
+    assert_eq!(mirror.specular, [0.9, 0.8, 0.7]);
+    let (glass, _) = material("Ks 0.1 0.1 0.1\nTf 0.2 0.2 0.2\nNi 1.33\nillum 7\n");
+    assert_eq!((glass.ior, glass.specular), (1.33, [1.0; 3]));
+    let (rough, warnings) = material("Kd 0.4\nKs 0.1 0.2 0.3 # comment\nNs 198\nKe 17 12 4\nillum 2\n");
+    assert_eq!(
+        (rough.diffuse, rough.specular, rough.emission),
+        ([0.4; 3], [0.1, 0.2, 0.3], [17.0, 12.0, 4.0])
+    );
+    assert!((rough.roughness - 0.1).abs() < 1e-6);
+    assert!(warnings.is_empty(), "{warnings:?}");
+}
+
+#[test]
+fn materials_that_would_make_light_are_clamped_or_named() {
+    let (clamped, warnings) = material("Kd 1.5 0.5 -1\nKe -1 0 0\n");
+    assert_eq!((clamped.diffuse, clamped.emission), ([1.0, 0.5, 0.0], [0.0; 3]));
+    assert!(warnings.iter().any(|w| w.contains("material \"m\": Kd is outside 0 to 1")), "{warnings:?}");
+    let (_, warnings) = material("Kd 0.8 0.8 0.8\nKs 0.9 0.9 0.9\n");
+    assert!(warnings[0].contains("Kd + Ks is above 1"), "{warnings:?}");
+}
+
+/// A scene of one textured square; `image` is written as `picture.png`.
+fn textured(map: &str, pixels: Option<image::RgbImage>) -> LoadedScene {
+    let obj =
+        format!("mtllib m.mtl\n{SQUARE}vt 0 0\nvt 1 0\nvt 1 1\nusemtl a\nf 1/1 2/2 3/3\nusemtl b\nf 1 3 4\n");
+    let mtl = format!("newmtl a\nmap_Kd {map}\nnewmtl b\nKd 0.5 0.5 0.5\nmap_Kd {map}\n");
+    let dir = folder(&[("scene.obj", &obj), ("m.mtl", &mtl)]);
+    if let Some(pixels) = pixels {
+        pixels.save(dir.path().join("picture.png")).unwrap();
+    }
+    load(&dir.path().join("scene.obj")).unwrap()
+}
+
+#[test]
+fn textures_are_read_once_and_made_linear() {
+    let pixels = image::RgbImage::from_fn(2, 1, |x, _| image::Rgb([255 * x as u8, 188, 10]));
+    let scene = textured("picture.png", Some(pixels));
+    assert_eq!((scene.textures.len(), scene.texels.len()), (1, 2));
+    assert_eq!((scene.textures[0].width, scene.textures[0].height, scene.textures[0].first), (2, 1, 0));
+    assert!(close(scene.texels[0], [0.0, 0.502_886, 0.003_035]), "{:?}", scene.texels);
+    assert_eq!(scene.texels[1][0], 1.0);
+    assert_eq!(
+        scene.materials.iter().map(|m| (m.texture, m.diffuse[0])).collect::<Vec<_>>(),
+        [(0, 1.0), (0, 0.5)]
+    );
+}
+
+#[test]
+fn textures_that_are_missing_or_broken_give_way_to_the_colour() {
+    let scene = textured("picture.png", None);
+    assert!(scene.warnings[0].contains("map_Kd") && scene.warnings[0].contains("picture.png"));
+    assert!(scene.materials.iter().all(|m| m.texture == NO_TEXTURE && m.diffuse == [0.5; 3]));
+    assert_eq!(textured("scene.obj", None).textures.len(), 0);
+}
+
+#[test]
+fn texture_options_are_skipped_with_a_warning() {
+    let scene = textured("-s 2 2 1 picture.png", Some(image::RgbImage::new(1, 1)));
+    assert_eq!(scene.textures.len(), 1);
+    assert!(scene.warnings.iter().any(|w| w.contains("options of map_Kd")), "{:?}", scene.warnings);
+}
+
+#[test]
+fn a_bare_obj_is_framed_and_lit_by_its_materials() {
+    let obj = "mtllib m.mtl\nv -1 -1 -1\nv 1 -1 1\nv 1 1 1\nusemtl m\nf 1 2 3\n";
+    let scene = load_files(&[("box.obj", obj), ("m.mtl", "newmtl m\nKe 1 1 1\n")]);
+    assert_eq!((scene.name.as_str(), scene.width, scene.height), ("box", 512, 512));
+    assert_eq!((scene.lights.len(), scene.cd_per_unit), (1, 100.0));
+    assert_eq!(scene.view.at, [0.0; 3]);
+    let [x, y, z] = scene.view.from;
+    assert_eq!((x, y), (0.0, 0.0));
+    // The nearest face of the box, at z = 1, just fits into the view.
+    let seen = (z - 1.0) * (0.5 * scene.view.fov).to_radians().tan();
+    assert!((1.0..1.1).contains(&seen), "{seen}");
+    assert!(scene.require_light().is_ok());
+}
+
+const TRIANGLE: (&str, &str) = ("t.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 3//1\n");
+
+/// The only triangle of a scene whose mesh has the given transform keys.
+fn placed(keys: &str) -> LoadedScene {
+    load_files(&[("s.toml", &format!("[[meshes]]\nfile = \"t.obj\"\n{keys}")), TRIANGLE])
+}
+
+#[test]
+fn meshes_are_scaled_then_turned_then_moved() {
+    let scene = placed("translate = [10, 0, 0]\nrotate = [0, 0, 90]\nscale = [2, 3, 1]\n");
+    let [a, b, c] = scene.triangles[0].corners;
+    assert!(
+        close(a, [10.0, 0.0, 0.0]) && close(b, [10.0, 2.0, 0.0]) && close(c, [7.0, 0.0, 0.0]),
+        "{a:?}{b:?}{c:?}"
+    );
+    let turned = placed("rotate = [90, 90, 0]\n");
+    assert!(close(turned.triangles[0].corners[2], [1.0, 0.0, 0.0]), "{:?}", turned.triangles);
+}
+
+#[test]
+fn normals_follow_stretched_meshes() {
+    // A plane of slope 1 stretched along z: its normal keeps pointing away from it.
+    let slope = "v 0 0 0\nv 1 0 1\nv 0 1 0\nvn -1 0 1\nf 1//1 2//1 3//1\n";
+    let scene =
+        load_files(&[("s.toml", "[[meshes]]\nfile = \"t.obj\"\nscale = [1, 1, 4]\n"), ("t.obj", slope)]);
+    assert!(close(scene.surfaces[0].normals[0], front(&scene, 0).normalize().to_array()));
+}
+
+#[test]
+fn mirrored_meshes_keep_their_front() {
+    let scene = placed("scale = [-1, 1, 1]\n");
+    assert!(front(&scene, 0).z > 0.0);
+    assert_eq!(scene.surfaces[0].normals, [[0.0, 0.0, 1.0]; 3]);
+    assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+    let inside_out = placed("scale = -1\n");
+    assert!(front(&inside_out, 0).z < 0.0);
+    assert_eq!(inside_out.surfaces[0].normals, [[0.0, 0.0, -1.0]; 3]);
+}
+
+#[test]
+fn spheres_are_closed_round_and_smooth() {
+    let text = "[[spheres]]\ncenter = [1, 2, 3]\nradius = 2\nsubdivisions = 4\nmaterial = \"g\"\n[materials.g]\nkind = \"glass\"\nior = 1.33\n";
+    let scene = load_files(&[("s.toml", text)]);
+    assert_eq!(scene.triangles.len(), 20 * 256);
+    assert_eq!((scene.materials[0].scattering, scene.materials[0].ior), (Scattering::Dielectric, 1.33));
+    assert!((total_area(&scene) / (16.0 * std::f32::consts::PI) - 1.0).abs() < 5e-3);
+    let centre = glam::Vec3::new(1.0, 2.0, 3.0);
+    for (i, (triangle, surface)) in scene.triangles.iter().zip(&scene.surfaces).enumerate() {
+        for (corner, normal) in triangle.corners.iter().zip(&surface.normals) {
+            let out = (glam::Vec3::from(*corner) - centre) / 2.0;
+            assert!(out.distance((*normal).into()) < 1e-5 && front(&scene, i).dot(out) > 0.0);
+        }
+    }
+}
+
+#[test]
+fn the_whole_scene_file_arrives() {
+    let text = "[film]\nwidth = 30\nheight = 20\ncd_per_unit = 50\n[render]\nspp = 12\nmax_depth = 5\n\
+        [camera]\nfrom = [0, 0, 5]\nat = [0, 0, 0]\nup = [1, 0, 0]\nfov = 30\n\
+        [[meshes]]\nfile = \"t.obj\"\nmaterial = \"m\"\n\
+        [[lights]]\ncenter = [0, 3, 0]\nedge_u = [1, 0, 0]\nedge_v = [0, 0, 1]\nradiance = [1, 2, 3]\n\
+        [materials.m]\ndiffuse = [0.1, 0.2, 0.3]\nspecular = [0.2, 0.2, 0.2]\nroughness = 0.5\n";
+    let scene = load_files(&[("s.toml", text), TRIANGLE]);
+    assert_eq!((scene.width, scene.height, scene.cd_per_unit), (30, 20, 50.0));
+    assert_eq!((scene.spp, scene.max_depth), (Some(12), Some(5)));
+    assert_eq!((scene.view.from, scene.view.up, scene.view.fov), ([0.0, 0.0, 5.0], [1.0, 0.0, 0.0], 30.0));
+    assert_eq!((scene.triangles.len(), scene.lights.len()), (3, 2));
+    assert_eq!((scene.materials[0].diffuse, scene.materials[0].roughness), ([0.1, 0.2, 0.3], 0.5));
+    for light in &scene.lights {
+        let i = light.triangle as usize;
+        assert_eq!(scene.materials[scene.surfaces[i].material as usize].emission, [1.0, 2.0, 3.0]);
+        // edge_u × edge_v points down.
+        assert!(front(&scene, i).y < 0.0);
+    }
+}
+
+#[test]
+fn a_material_override_needs_no_material_file() {
+    let obj = "mtllib gone.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nusemtl x\nf 1 2 3\n";
+    let text = "[[meshes]]\nfile = \"o.obj\"\nmaterial = \"m\"\n[materials.m]\nkind = \"mirror\"\n";
+    let scene = load_files(&[("s.toml", text), ("o.obj", obj)]);
+    assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+    assert!(
+        scene.surfaces.iter().all(|s| scene.materials[s.material as usize].scattering == Scattering::Mirror)
+    );
+}
+
+#[test]
+fn the_projects_own_scenes_load_without_warnings() {
+    for (name, triangles) in [("cornell", 10 + 10 + 10 + 2), ("caustic", 10 + 10 + 81920 + 2)] {
+        let scene = load(&Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("scenes/{name}.toml"))).unwrap();
+        assert_eq!((scene.name.as_str(), scene.triangles.len()), (name, triangles));
+        assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+        assert_eq!((scene.width, scene.height, scene.lights.len()), (512, 512, 2));
+        let lamps = scene.lights.iter().map(|l| l.triangle as usize);
+        assert!(lamps.into_iter().all(|i| front(&scene, i).y < 0.0), "{name}: the light shines up");
+        // Red stands on the left of the image: on the side against forward × up.
+        let forward = glam::Vec3::from(scene.view.at) - glam::Vec3::from(scene.view.from);
+        let right = forward.cross(scene.view.up.into());
+        let at = glam::Vec3::from(scene.view.at);
+        let is_red = |i: usize| scene.materials[scene.surfaces[i].material as usize].diffuse[0] == 0.570068;
+        let red = (0..scene.triangles.len()).find(|&i| is_red(i)).unwrap();
+        assert!((glam::Vec3::from(scene.triangles[red].corners[0]) - at).dot(right) < 0.0, "{name}");
+    }
+}
+
+#[test]
+fn the_room_of_the_box_faces_inwards() {
+    let scene = load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/cornell-room.obj")).unwrap();
+    let centre = glam::Vec3::new(278.0, 274.0, 280.0);
+    for i in 0..scene.triangles.len() {
+        let corner = glam::Vec3::from(scene.triangles[i].corners[0]);
+        assert!(front(&scene, i).dot(centre - corner) > 0.0);
+    }
+}
