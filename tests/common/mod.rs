@@ -2,8 +2,12 @@
 #![allow(dead_code, reason = "each test file uses its own part")]
 
 use pmcip::scene::bvh;
+use pmcip_core::batch::{Batch8, Rgb8};
+use pmcip_core::camera::Camera;
+use pmcip_core::sampler::{Memory, Sampler, Schedule, Settings, Workspace};
 use pmcip_core::scene::{Light, Material, Node8, Scene, SceneData, Surface, Triangle};
 use pmcip_core::shade::light;
+use pmcip_core::shade::path::{Packet, PathTracer, Traffic};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
 
@@ -80,4 +84,43 @@ pub fn inward_box(lower: [f32; 3], upper: [f32; 3]) -> Vec<Triangle> {
     let faces = [[0, 2, 6, 4], [1, 5, 7, 3], [0, 4, 5, 1], [2, 3, 7, 6], [0, 1, 3, 2], [4, 6, 7, 5]];
     let triangle = |f: [usize; 3]| Triangle { corners: f.map(corner) };
     faces.iter().flat_map(|&[a, b, c, d]| [triangle([a, b, c]), triangle([a, c, d])]).collect()
+}
+
+/// A picture made on one thread with the core alone: interleaved RGB, and how full the packets were.
+pub fn render(
+    scene: Scene<'_>,
+    camera: Camera,
+    max_depth: u32,
+    settings: Settings,
+    schedule: Schedule,
+) -> (Vec<f32>, Traffic) {
+    const STREAM: usize = 2048;
+    let (width, height) = (settings.width, settings.height);
+    let required = Sampler::required(width, height);
+    let (mut floats, mut words) = (vec![0.0; required.floats], vec![0; required.words]);
+    let mut sampler = Sampler::new(settings, Memory { floats: &mut floats, words: &mut words }).unwrap();
+    let mut packets = vec![Packet::default(); PathTracer::required(STREAM)];
+    let mut tracer = PathTracer::new(scene, camera, max_depth, &mut packets);
+    let (mut batches, mut radiance) =
+        (vec![Batch8::default(); STREAM / 8], vec![Rgb8::default(); STREAM / 8]);
+    let mut work = Workspace::new(&mut batches, &mut radiance).unwrap();
+    for samples in schedule {
+        sampler.begin(samples).unwrap();
+        for mut job in sampler.jobs() {
+            job.render(&mut tracer, &mut work);
+        }
+        assert_eq!(sampler.end().unwrap().rejected, 0);
+    }
+    let mut scratch = vec![Default::default(); Sampler::resolve_scratch(width, height)];
+    let mut rgb = vec![0.0; 3 * (width * height) as usize];
+    sampler.resolve(settings.estimator, &mut scratch, &mut rgb).unwrap();
+    (rgb, tracer.traffic())
+}
+
+/// Mean and standard error of the mean.
+pub fn mean_and_error(values: &[f64]) -> (f64, f64) {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let square = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>();
+    (mean, (square / (n * (n - 1.0))).sqrt())
 }
