@@ -10,6 +10,8 @@
 
 use core::ops::Range;
 
+pub(crate) mod window;
+
 /// Side of a tile in pixels.
 pub const TILE: u32 = 16;
 /// Longest side of a film in pixels.
@@ -158,6 +160,21 @@ impl<'a> Planes<'a> {
         })
     }
 
+    /// No pixels.
+    pub fn empty() -> Self {
+        let f = || &mut [][..];
+        Planes {
+            count: &mut [],
+            groups: &mut [],
+            drawn: &mut [],
+            planned: &mut [],
+            mean: [f(), f(), f()],
+            m2: f(),
+            sum: [f(), f(), f()],
+            target: f(),
+        }
+    }
+
     /// The planes again, for a shorter time.
     pub fn reborrow(&mut self) -> Planes<'_> {
         Planes {
@@ -234,6 +251,15 @@ fn split_colours(planes: [&mut [f32]; 3], at: usize) -> ([&mut [f32]; 3], [&mut 
 #[inline(always)]
 pub fn luminance(rgb: [f32; 3]) -> f32 {
     0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2]
+}
+
+/// Luminances of the run `run` of pixels.
+#[inline(always)]
+pub(crate) fn luminances(mean: &[&mut [f32]; 3], run: Range<usize>, out: &mut [f32]) {
+    let [r, g, b] = [&mean[0][run.clone()], &mean[1][run.clone()], &mean[2][run]];
+    for (out, ((r, g), b)) in out.iter_mut().zip(r.iter().zip(g).zip(b)) {
+        *out = luminance([*r, *g, *b]);
+    }
 }
 
 /// Count, mean and sum of squared deviations of some samples.

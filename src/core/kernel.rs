@@ -1,1 +1,72 @@
-//! To come: kernel.
+//! The kernel: where samples are needed, as a weight for every pixel.
+//!
+//! Lai, Chenney, Liu, Niu, Fan, *Animation rendering with Population Monte Carlo image-plane sampler*, The
+//! Visual Computer 2010: w_p = (σ̂²_p / tvi(L̂_p))^γ. The paper has γ = 1 and one pixel's own samples; here σ̂² and
+//! L̂ come from a window of 3 × 3 pixels and γ is free. σ̂² is the sum of squared deviations over the window by
+//! its degrees of freedom, L̂ the mean over the window's pixels that have samples, in cd/m².
+//!
+//! Where a window has no degree of freedom nothing is known of its variance, and the weight is
+//! [`UNKNOWN`], which [`allocate`](crate::allocate::allocate) takes for the mean of all others.
+
+use crate::film::{Layout, Planes, Tile, luminances, window::Around, window::used_lanes};
+use crate::math::{exp2, log2};
+use crate::tvi::log2_tvi;
+use wide::f32x8;
+
+pub use crate::film::window::Window;
+
+/// The weight of a pixel of whose variance nothing is known.
+pub const UNKNOWN: f32 = -1.0;
+
+/// How weights follow from the film.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Kernel {
+    /// γ: 1 evens the visible error out, ½ minimises its sum where variances are known.
+    pub gamma: f32,
+    /// Pixels over which variance and luminance are taken.
+    pub window: Window,
+    /// Luminance in cd/m² of radiance 1.
+    pub cd_per_unit: f32,
+}
+
+impl Kernel {
+    /// Weights of eight pixels from the variance of a sample and the mean luminance, in scene units.
+    ///
+    /// No variance, no weight. Every result is finite.
+    #[inline]
+    pub fn weight(&self, variance: f32x8, luminance: f32x8) -> f32x8 {
+        let cd = f32x8::splat(self.cd_per_unit);
+        let ratio = log2(variance * cd * cd) - log2_tvi(luminance * cd);
+        variance.simd_gt(f32x8::ZERO) & exp2(f32x8::splat(self.gamma) * ratio)
+    }
+
+    /// Writes every pixel's weight into the plane `target`.
+    pub(crate) fn adapt(&self, layout: &Layout, planes: &mut Planes<'_>) {
+        for tile in (0..layout.tiles()).map(|t| layout.tile(t)) {
+            self.adapt_tile(layout, &tile, planes);
+        }
+    }
+
+    fn adapt_tile(&self, layout: &Layout, tile: &Tile, planes: &mut Planes<'_>) {
+        let around = Around::new(layout, tile);
+        let m2 = around.load(|run, out| out.copy_from_slice(&planes.m2[run]));
+        let freedom = around.load(|run, out| {
+            out.iter_mut().zip(&planes.groups[run]).for_each(|(out, n)| *out = n.saturating_sub(1) as f32);
+        });
+        let known = around.load(|run, out| {
+            out.iter_mut().zip(&planes.count[run]).for_each(|(out, n)| *out = f32::from(u8::from(*n > 0)));
+        });
+        let light = around.load(|run, out| luminances(&planes.mean, run, out));
+        for y in 0..tile.height as usize {
+            let row = &mut planes.target[tile.row(y as u32)];
+            for x in (0..tile.width as usize).step_by(8) {
+                let sum = |block| self.window.sum(block, x, y);
+                let freedom = sum(&freedom);
+                let weight = self.weight(sum(&m2) / freedom, sum(&light) / sum(&known));
+                let weight = freedom.simd_gt(f32x8::ZERO).bitselect(weight, f32x8::splat(UNKNOWN));
+                let lanes = used_lanes(tile.width, x);
+                row[x..x + lanes].copy_from_slice(&weight.to_array()[..lanes]);
+            }
+        }
+    }
+}

@@ -1,1 +1,278 @@
-//! To come: sampler.
+//! The loop an embedder drives: adapt, allocate, sample, merge; then resolve.
+//!
+//! [`Sampler::begin`] turns the film into a kernel and the kernel into planned counts, [`Sampler::jobs`] divides
+//! the iteration into runs of tiles that can be rendered by any thread in any order, [`Sampler::end`] checks
+//! that all were. The same settings, samples and integrand give the same bits on any number of threads.
+//!
+//! ```
+//! use pmcip_core::{batch::{Batch8, Integrand, Rgb8}, sampler::{Memory, Sampler, Schedule, Settings, Workspace}};
+//!
+//! struct Ramp;
+//! impl Integrand for Ramp {
+//!     fn radiance(&mut self, batch: &Batch8) -> Rgb8 {
+//!         Rgb8 { r: batch.x, g: batch.y, b: batch.x * batch.y }
+//!     }
+//! }
+//!
+//! # fn main() -> Result<(), pmcip_core::sampler::Error> {
+//! let (mut floats, mut words) = ([0.0; 8 * 64], [0; 4 * 64]); // as Sampler::required(8, 8) says
+//! let mut sampler = Sampler::new(Settings::new(8, 8), Memory { floats: &mut floats, words: &mut words })?;
+//! let (mut batches, mut radiance) = ([Batch8::default(); 16], [Rgb8::default(); 16]);
+//! let mut work = Workspace::new(&mut batches, &mut radiance)?;
+//! for samples in Schedule::new(64, 16, 2, 8) {
+//!     sampler.begin(samples)?;
+//!     for mut job in sampler.jobs() {
+//!         job.render(&mut Ramp, &mut work);
+//!     }
+//!     sampler.end()?;
+//! }
+//! let (mut rgb, mut scratch) = ([0.0; 3 * 64], [[0.0; 16]; 16]);
+//! sampler.resolve(sampler.settings().estimator, &mut scratch, &mut rgb)?;
+//! assert!((rgb[0] - 0.5).abs() < 0.2);
+//! # Ok(())
+//! # }
+//! ```
+
+use crate::allocate::{Mixture, allocate};
+use crate::estimate::{self, Estimator, Lanes};
+use crate::film::{FLOATS, Layout, Planes, WORDS};
+use crate::sobol::hash;
+
+mod job;
+mod schedule;
+mod settings;
+pub use job::{Job, Jobs, MAX_RADIANCE, Tally, Workspace};
+pub use schedule::Schedule;
+pub use settings::{Error, Mode, Sequence, Settings, Spread};
+
+/// Memory lent to a sampler for its film. What it holds before does not matter.
+#[derive(Debug)]
+pub struct Memory<'a> {
+    /// At least as long as [`Required::floats`].
+    pub floats: &'a mut [f32],
+    /// At least as long as [`Required::words`].
+    pub words: &'a mut [u32],
+}
+
+/// How much memory a sampler needs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Required {
+    /// Length of [`Memory::floats`].
+    pub floats: usize,
+    /// Length of [`Memory::words`].
+    pub words: usize,
+}
+
+/// A frame being sampled.
+#[derive(Debug)]
+pub struct Sampler<'a> {
+    settings: Settings,
+    layout: Layout,
+    planes: Planes<'a>,
+    /// Number of the iteration that runs or is next.
+    iteration: u32,
+    /// Samples of all iterations that have ended.
+    samples: u64,
+    /// How the current or last iteration divided its samples.
+    mixture: Mixture,
+    running: bool,
+}
+
+impl<'a> Sampler<'a> {
+    /// How much memory a film of this size takes: 48 bytes a pixel.
+    pub fn required(width: u32, height: u32) -> Required {
+        let pixels = (width as usize).saturating_mul(height as usize);
+        Required { floats: FLOATS.saturating_mul(pixels), words: WORDS.saturating_mul(pixels) }
+    }
+
+    /// An empty film on lent memory.
+    ///
+    /// # Errors
+    /// If a setting is out of range or memory is short.
+    pub fn new(settings: Settings, memory: Memory<'a>) -> Result<Self, Error> {
+        let layout = settings.check()?;
+        let required = Sampler::required(settings.width, settings.height);
+        let floats = memory.floats.get_mut(..required.floats).ok_or(Error::Memory)?;
+        let words = memory.words.get_mut(..required.words).ok_or(Error::Memory)?;
+        floats.fill(0.0);
+        words.fill(0);
+        let planes = Planes::new(floats, words, layout.pixels()).ok_or(Error::Memory)?;
+        let mixture = Mixture { samples: 0, floor: 0.0, epsilon: 1.0 };
+        Ok(Sampler { settings, layout, planes, iteration: 0, samples: 0, mixture, running: false })
+    }
+
+    /// The settings the sampler was made with.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// Number of iterations that have ended.
+    pub fn iterations(&self) -> u32 {
+        self.iteration
+    }
+
+    /// Number of samples drawn in the iterations that have ended, rejected ones included.
+    pub fn samples(&self) -> u64 {
+        self.samples
+    }
+
+    /// Begins an iteration of `samples` samples: adapts the kernel and plans every pixel's count.
+    ///
+    /// The first iteration is uniform.
+    ///
+    /// # Errors
+    /// If an iteration is running already, or `samples` is 0 or above 2^32 − 1.
+    pub fn begin(&mut self, samples: u64) -> Result<(), Error> {
+        if self.running {
+            return Err(Error::Begun);
+        }
+        if samples == 0 || samples > crate::allocate::MAX_SAMPLES {
+            return Err(Error::Samples);
+        }
+        let adaptive = self.settings.mode == Mode::Adaptive && self.iteration > 0;
+        self.mixture = Mixture {
+            samples,
+            floor: self.settings.floor,
+            epsilon: if adaptive { self.settings.epsilon } else { 1.0 },
+        };
+        if adaptive {
+            self.settings.kernel().adapt(&self.layout, &mut self.planes);
+        }
+        let offset = hash(hash(hash(!self.settings.seed) ^ self.settings.frame) ^ self.iteration);
+        allocate(self.planes.target, self.planes.planned, self.mixture, offset)?;
+        let weight = self.weight(samples);
+        self.settings.estimator.plan(&self.layout, &mut self.planes, weight);
+        self.running = true;
+        Ok(())
+    }
+
+    /// The jobs of the running iteration; none if none is running.
+    pub fn jobs(&mut self) -> Jobs<'_> {
+        let context = job::Context {
+            layout: self.layout,
+            seed: self.settings.seed,
+            frame: self.settings.frame,
+            sequence: self.settings.sequence,
+            iteration: self.iteration,
+            estimator: self.settings.estimator,
+            within: self.settings.spread == Spread::Samples || self.iteration == 0,
+            weight: self.weight(self.mixture.samples),
+        };
+        let tiles = if self.running { self.layout.tiles() } else { 0 };
+        Jobs { rest: self.planes.reborrow(), context, next_tile: 0, tiles }
+    }
+
+    /// Ends the iteration and returns what has been sampled since the first one.
+    ///
+    /// # Errors
+    /// If no iteration is running, or its jobs were not all rendered exactly once; the film is then of no use.
+    pub fn end(&mut self) -> Result<Tally, Error> {
+        if !self.running {
+            return Err(Error::NotBegun);
+        }
+        let sum = |plane: &[u32]| plane.iter().map(|n| u64::from(*n)).sum::<u64>();
+        let (drawn, samples) = (sum(self.planes.drawn), sum(self.planes.count));
+        if drawn != self.samples + self.mixture.samples {
+            return Err(Error::Unfinished);
+        }
+        self.samples = drawn;
+        self.iteration += 1;
+        self.running = false;
+        Ok(Tally { samples, rejected: drawn - samples })
+    }
+
+    /// Length of the scratch [`resolve`](Self::resolve) needs.
+    pub fn resolve_scratch(width: u32, height: u32) -> usize {
+        estimate::scratch_len(width, height)
+    }
+
+    /// Writes the picture: interleaved linear RGB, row by row.
+    ///
+    /// Any estimator for which [`Settings::estimator`] [serves](Estimator::serves) may be asked for.
+    ///
+    /// # Errors
+    /// If the film has not accumulated for `estimator`, or `out` or `scratch` have the wrong length.
+    pub fn resolve(&self, estimator: Estimator, scratch: &mut [Lanes], out: &mut [f32]) -> Result<(), Error> {
+        let (width, height) = (self.settings.width, self.settings.height);
+        if !self.settings.estimator.serves(estimator) {
+            return Err(Error::Estimator);
+        }
+        let scratch = scratch.get_mut(..Self::resolve_scratch(width, height)).ok_or(Error::Scratch)?;
+        if out.len() != 3 * self.layout.pixels() {
+            return Err(Error::Output);
+        }
+        let weight = self.weight(self.samples);
+        let pooled = |i| self.planes.mean_at(i);
+        let other = |i| estimator.value(&self.planes, i, weight);
+        if estimator != Estimator::Balanced {
+            self.for_each_colour(out, |i, rgb| *rgb = other(i));
+            return Ok(());
+        }
+        self.for_each_colour(out, |i, rgb| *rgb = [0, 1, 2].map(|c| other(i)[c] - pooled(i)[c]));
+        estimate::smooth(out, width as usize, height as usize, self.settings.balance_radius, scratch);
+        self.for_each_colour(out, |i, rgb| *rgb = [0, 1, 2].map(|c| rgb[c] + pooled(i)[c]));
+        Ok(())
+    }
+
+    /// Calls `f` with the storage index and the place in interleaved `out` of every pixel.
+    fn for_each_colour(&self, out: &mut [f32], mut f: impl FnMut(usize, &mut [f32; 3])) {
+        let (pixels, _) = out.as_chunks_mut::<3>();
+        self.layout.for_each_run(|run, raster| {
+            let length = run.len();
+            run.zip(&mut pixels[raster..raster + length]).for_each(|(i, rgb)| f(i, rgb));
+        });
+    }
+
+    /// Writes the variance of every pixel's mean luminance, as far as its own samples know it, row by row.
+    ///
+    /// 0 where there are fewer than two samples (or iterations, for [`Spread::Iterations`]).
+    ///
+    /// # Errors
+    /// If `out` is not as long as the picture has pixels.
+    pub fn variance(&self, out: &mut [f32]) -> Result<(), Error> {
+        let planes = &self.planes;
+        self.read_out(out, |i| match planes.groups[i] {
+            0 | 1 => 0.0,
+            groups => planes.m2[i] / ((groups - 1) as f32 * planes.count[i] as f32),
+        })
+    }
+
+    /// Writes how many samples every pixel has, row by row.
+    ///
+    /// # Errors
+    /// If `out` is not as long as the picture has pixels.
+    pub fn count(&self, out: &mut [u32]) -> Result<(), Error> {
+        self.read_out(out, |i| self.planes.count[i])
+    }
+
+    /// Writes the kernel α that divided the current or last iteration, row by row; it sums to one.
+    ///
+    /// # Errors
+    /// If `out` is not as long as the picture has pixels.
+    pub fn alpha(&self, out: &mut [f32]) -> Result<(), Error> {
+        let pixels = self.layout.pixels() as f64;
+        let samples = self.mixture.samples as f64;
+        let floor = f64::from(self.mixture.floor).min(samples / pixels);
+        let rest = samples - floor * pixels;
+        self.read_out(out, |i| {
+            let alpha = (f64::from(self.planes.target[i]) - floor) / rest;
+            if rest > 0.0 { alpha.max(0.0) as f32 } else { (1.0 / pixels) as f32 }
+        })
+    }
+
+    fn read_out<T>(&self, out: &mut [T], value: impl Fn(usize) -> T) -> Result<(), Error> {
+        if out.len() != self.layout.pixels() {
+            return Err(Error::Output);
+        }
+        self.layout.for_each_run(|run, raster| {
+            let length = run.len();
+            run.zip(&mut out[raster..raster + length]).for_each(|(i, out)| *out = value(i));
+        });
+        Ok(())
+    }
+
+    /// Samples a pixel, the weight of an iteration.
+    fn weight(&self, samples: u64) -> f32 {
+        (samples as f64 / self.layout.pixels() as f64) as f32
+    }
+}

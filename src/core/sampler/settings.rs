@@ -1,0 +1,207 @@
+//! What a render is asked for, and what can be wrong with it.
+
+use crate::allocate;
+use crate::estimate::{Estimator, MAX_RADIUS};
+use crate::film::{Layout, MAX_SIDE};
+use crate::kernel::{Kernel, Window};
+
+/// Where samples go.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Mode {
+    /// Where the kernel says.
+    #[default]
+    Adaptive,
+    /// Everywhere alike.
+    Uniform,
+}
+
+/// How a pixel's Sobol sequence goes on in the next iteration.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Sequence {
+    /// With the next point: best stratified, though not strictly independent of what steered the count.
+    #[default]
+    Continued,
+    /// Anew, scrambled by another key.
+    Fresh,
+}
+
+/// What the kernel takes for a pixel's variance.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Spread {
+    /// The scatter of all samples, as if they were independent.
+    #[default]
+    Samples,
+    /// The scatter of the iterations' means, which sees what stratification achieves. Samples of the first
+    /// iteration count one by one.
+    Iterations,
+}
+
+/// Everything a sampler is asked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// Columns, 1 to 16384.
+    pub width: u32,
+    /// Rows, 1 to 16384.
+    pub height: u32,
+    /// Seed of all randomness.
+    pub seed: u32,
+    /// Number of the frame: another frame has other noise.
+    pub frame: u32,
+    /// Luminance in cd/m² of radiance 1; positive.
+    pub cd_per_unit: f32,
+    /// Adaptive or uniform.
+    pub mode: Mode,
+    /// What is accumulated, for [`Sampler::resolve`](super::Sampler::resolve).
+    pub estimator: Estimator,
+    /// How sequences go on.
+    pub sequence: Sequence,
+    /// What counts as variance.
+    pub spread: Spread,
+    /// Pixels the kernel looks at.
+    pub window: Window,
+    /// γ, exponent of the weights, 0 to 4.
+    pub gamma: f32,
+    /// ε, the part given out uniformly, 0 to 1.
+    pub epsilon: f32,
+    /// m, samples every pixel expects at least in an iteration; may be a fraction.
+    pub floor: f32,
+    /// Radius in pixels of the balanced estimator's three boxes; σ² = r(r + 1).
+    pub balance_radius: u32,
+}
+
+impl Settings {
+    /// The defaults, found by measurement: γ ⅔, 3 × 3 window, ε 0.01, floor ¼, balanced, σ 12.5 pixels.
+    pub fn new(width: u32, height: u32) -> Settings {
+        Settings {
+            width,
+            height,
+            seed: 0,
+            frame: 0,
+            cd_per_unit: 100.0,
+            mode: Mode::Adaptive,
+            estimator: Estimator::Balanced,
+            sequence: Sequence::Continued,
+            spread: Spread::Samples,
+            window: Window::Square3,
+            gamma: 2.0 / 3.0,
+            epsilon: 0.01,
+            floor: 0.25,
+            balance_radius: 12,
+        }
+    }
+
+    /// The method as published: γ 1, no window, no floor, ε 0.01, pooled.
+    pub fn paper(width: u32, height: u32) -> Settings {
+        Settings {
+            estimator: Estimator::Pooled,
+            window: Window::Pixel,
+            gamma: 1.0,
+            floor: 0.0,
+            ..Settings::new(width, height)
+        }
+    }
+
+    /// The same number of samples everywhere.
+    pub fn uniform(width: u32, height: u32) -> Settings {
+        Settings { mode: Mode::Uniform, estimator: Estimator::Pooled, ..Settings::new(width, height) }
+    }
+
+    /// The layout of the film, if every setting is within its range.
+    pub(super) fn check(&self) -> Result<Layout, Error> {
+        let layout = Layout::new(self.width, self.height).ok_or(Error::Size)?;
+        if !(self.cd_per_unit > 0.0 && self.cd_per_unit.is_finite()) {
+            return Err(Error::CdPerUnit);
+        }
+        if !(0.0..=4.0).contains(&self.gamma) {
+            return Err(Error::Gamma);
+        }
+        if !(0.0..=1.0).contains(&self.epsilon) {
+            return Err(Error::Epsilon);
+        }
+        if !(self.floor >= 0.0 && self.floor.is_finite()) {
+            return Err(Error::Floor);
+        }
+        if self.balance_radius > MAX_RADIUS {
+            return Err(Error::BalanceRadius);
+        }
+        Ok(layout)
+    }
+
+    pub(super) fn kernel(&self) -> Kernel {
+        Kernel { gamma: self.gamma, window: self.window, cd_per_unit: self.cd_per_unit }
+    }
+}
+
+/// What can be wrong with a sampler's use.
+#[non_exhaustive]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Error {
+    /// A side of the film is 0 or too long.
+    Size,
+    /// `cd_per_unit` is not positive and finite.
+    CdPerUnit,
+    /// γ is out of range.
+    Gamma,
+    /// ε is out of range.
+    Epsilon,
+    /// The floor is negative or not finite.
+    Floor,
+    /// The balanced estimator's radius is too large.
+    BalanceRadius,
+    /// Lent memory is shorter than [`Sampler::required`](super::Sampler::required) says.
+    Memory,
+    /// A workspace without room for a batch.
+    Workspace,
+    /// An iteration without samples, or with too many.
+    Samples,
+    /// `begin` while an iteration is running.
+    Begun,
+    /// `end` without an iteration running.
+    NotBegun,
+    /// `end` before every job was rendered, or after one was rendered twice.
+    Unfinished,
+    /// The film accumulates for another estimator.
+    Estimator,
+    /// Scratch is shorter than [`Sampler::resolve_scratch`](super::Sampler::resolve_scratch) says.
+    Scratch,
+    /// An output has not the length of the picture.
+    Output,
+}
+
+impl core::fmt::Display for Error {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        let text = match self {
+            Error::Size => return write!(f, "width and height must be 1 to {MAX_SIDE} pixels"),
+            Error::BalanceRadius => {
+                return write!(f, "the balance radius must be at most {MAX_RADIUS} pixels");
+            }
+            Error::CdPerUnit => "cd_per_unit must be positive and finite",
+            Error::Gamma => "gamma must be between 0 and 4",
+            Error::Epsilon => "epsilon must be between 0 and 1",
+            Error::Floor => "the floor of samples a pixel must be 0 or more",
+            Error::Memory => "lent memory is too short: lend as much as Sampler::required says",
+            Error::Workspace => "a workspace needs room for at least one batch and one radiance",
+            Error::Samples => "an iteration must have 1 to 2^32 - 1 samples: use more iterations for more",
+            Error::Begun => "an iteration is running: end it before the next one begins",
+            Error::NotBegun => "no iteration is running: begin one first",
+            Error::Unfinished => "render every job of the iteration exactly once before its end",
+            Error::Estimator => "the film accumulates for another estimator: set Settings::estimator",
+            Error::Scratch => "scratch is too short: lend as much as Sampler::resolve_scratch says",
+            Error::Output => "an output must have one entry a pixel, three for RGB",
+        };
+        f.write_str(text)
+    }
+}
+
+impl core::error::Error for Error {}
+
+impl From<allocate::Error> for Error {
+    fn from(error: allocate::Error) -> Error {
+        match error {
+            allocate::Error::Pixels => Error::Size,
+            allocate::Error::Samples => Error::Samples,
+            allocate::Error::Floor => Error::Floor,
+            allocate::Error::Epsilon => Error::Epsilon,
+        }
+    }
+}

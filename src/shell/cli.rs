@@ -1,0 +1,217 @@
+//! The command line as data.
+
+use clap::error::ErrorKind;
+use clap::{Args, Parser, Subcommand};
+use pmcip::render::{Estimate, Method};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Renders scenes with samples where the eye would see noise.
+#[derive(Debug, Parser)]
+#[command(name = "pmcip", version)]
+pub struct Arguments {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Render one frame of a scene to an EXR and a PNG file
+    Render(Render),
+    /// Render a reference: uniform samples, EXR only, with the variance of every pixel
+    Reference(Reference),
+    /// Measure the error of an image against a reference
+    Error(Compare),
+    /// Say what is in a scene
+    Info(Info),
+}
+
+/// Arguments of `render`.
+#[derive(Debug, Args)]
+pub struct Render {
+    #[command(flatten)]
+    pub common: Common,
+    /// EXR file to write, with a PNG beside it [default: the scene's name, in the current folder]
+    #[arg(short, long, value_name = "OUT.exr", value_parser = exr_path)]
+    pub output: Option<PathBuf>,
+    /// Samples per pixel on average [default: the scene's, or 64]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub spp: Option<u32>,
+    /// Rounds of sampling and adapting, the first one uniform [default: one for each 2 spp, at most 16]
+    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u32).range(1..))]
+    pub iterations: Option<u32>,
+    /// How light is followed
+    #[arg(long, value_enum, default_value = "path")]
+    pub integrator: Integrator,
+    /// Where samples go: adaptive (pmc), everywhere the same (uniform), or as first published (paper)
+    #[arg(long, value_enum, default_value = "pmc")]
+    pub sampler: Method,
+    /// How samples become pixels [default: balanced for pmc, else pooled]
+    #[arg(long, value_enum)]
+    pub estimator: Option<Estimate>,
+    /// Power of the kernel's weights: 0 is uniform, 1/2 least error, 1 evenest error [default: the sampler's]
+    #[arg(long, value_name = "G", value_parser = gamma)]
+    pub gamma: Option<f32>,
+    /// Brightness of the PNG in stops: each doubles it
+    #[arg(long, value_name = "EV", default_value_t = 0.0, allow_hyphen_values = true, value_parser = finite)]
+    pub exposure: f32,
+    /// Print one JSON object instead of words
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `reference`.
+#[derive(Debug, Args)]
+pub struct Reference {
+    #[command(flatten)]
+    pub common: Common,
+    /// Samples per pixel
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub spp: u32,
+    /// EXR file to write
+    #[arg(short, long, value_name = "REF.exr", value_parser = exr_path)]
+    pub output: PathBuf,
+    /// Print one JSON object instead of words
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments that every render takes.
+#[derive(Debug, Args)]
+pub struct Common {
+    /// Scene file (.toml) or bare .obj
+    pub scene: PathBuf,
+    /// Longest path in segments, counted from the eye: 2 is direct light only [default: the scene's, or 8]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub max_depth: Option<u32>,
+    /// Image size in pixels [default: the scene's]
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    pub size: Option<(u32, u32)>,
+    /// Number that picks the random points: the same seed makes the same picture
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub seed: u32,
+    /// Threads to work with [default: all]
+    #[arg(long, value_name = "N", value_parser = threads)]
+    pub threads: Option<usize>,
+    /// Eye position in scene units
+    #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
+    pub look_from: Option<[f32; 3]>,
+    /// Point in the middle of the image, in scene units
+    #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
+    pub look_at: Option<[f32; 3]>,
+    /// Direction that points up in the image
+    #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
+    pub up: Option<[f32; 3]>,
+    /// Vertical field of view in degrees, between 0 and 180
+    #[arg(long, value_name = "DEG", value_parser = fov)]
+    pub fov: Option<f32>,
+    /// Print nothing but errors
+    #[arg(long)]
+    pub quiet: bool,
+}
+
+/// Arguments of `error`.
+#[derive(Debug, Args)]
+pub struct Compare {
+    /// Image to judge
+    #[arg(value_name = "IMAGE.exr")]
+    pub image: PathBuf,
+    /// Image to judge by, of the same size
+    #[arg(value_name = "REF.exr")]
+    pub reference: PathBuf,
+    /// Print one JSON object instead of words
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `info`.
+#[derive(Debug, Args)]
+pub struct Info {
+    /// Scene file (.toml) or bare .obj
+    pub scene: PathBuf,
+    /// Print one JSON object instead of words
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// How light is followed.
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+pub enum Integrator {
+    /// Path tracing with next-event estimation
+    Path,
+}
+
+/// Prints help, or a refusal in one line, and picks the exit code.
+pub fn refuse(refusal: &clap::Error) -> ExitCode {
+    use ErrorKind::{DisplayHelp, DisplayHelpOnMissingArgumentOrSubcommand, DisplayVersion};
+    match refusal.kind() {
+        DisplayHelp | DisplayVersion | DisplayHelpOnMissingArgumentOrSubcommand => {
+            // Whoever closed the stream does not want to read it.
+            let _ = refusal.print();
+        }
+        _ => {
+            let text = refusal.to_string();
+            let sentence = text.split("\n\n").next().unwrap_or_default();
+            eprintln!("{}", sentence.split_whitespace().collect::<Vec<_>>().join(" "));
+        }
+    }
+    ExitCode::from(refusal.exit_code() as u8)
+}
+
+fn exr_path(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    let is_exr = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr"));
+    if is_exr { Ok(path) } else { Err("the name must end in .exr".into()) }
+}
+
+fn size(text: &str) -> Result<(u32, u32), String> {
+    let numbers = text.split_once(['x', 'X', '×']).map(|(width, height)| (width.parse(), height.parse()));
+    match numbers {
+        Some((Ok(width @ 1..=pmcip::scene::MAX_SIZE), Ok(height @ 1..=pmcip::scene::MAX_SIZE))) => {
+            Ok((width, height))
+        }
+        _ => Err(format!("expected WxH with numbers from 1 to {}, such as 640x480", pmcip::scene::MAX_SIZE)),
+    }
+}
+
+fn vector(text: &str) -> Result<[f32; 3], String> {
+    let numbers: Vec<f32> = text.split(',').filter_map(|number| finite(number.trim()).ok()).collect();
+    let wanted = "expected three numbers X,Y,Z, such as 0,1.5,-2";
+    if text.split(',').count() == 3 {
+        numbers.try_into().map_err(|_| wanted.into())
+    } else {
+        Err(wanted.into())
+    }
+}
+
+fn finite(text: &str) -> Result<f32, String> {
+    let number = text.parse().ok().filter(|number: &f32| number.is_finite());
+    number.ok_or_else(|| "expected a number".into())
+}
+
+fn gamma(text: &str) -> Result<f32, String> {
+    let number = finite(text).ok().filter(|number| (0.0..=4.0).contains(number));
+    number.ok_or_else(|| "expected a number from 0 to 4".into())
+}
+
+fn fov(text: &str) -> Result<f32, String> {
+    let number = finite(text).ok().filter(|number| *number > 0.0 && *number < 180.0);
+    number.ok_or_else(|| "expected degrees between 0 and 180".into())
+}
+
+fn threads(text: &str) -> Result<usize, String> {
+    let number = text.parse().ok().filter(|number| (1..=1024).contains(number));
+    number.ok_or_else(|| "expected a number from 1 to 1024".into())
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        super::Arguments::command().debug_assert();
+    }
+}

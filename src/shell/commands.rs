@@ -1,0 +1,164 @@
+//! The commands: read, work, write, report.
+
+use crate::cli::{Command, Common, Compare, Info, Reference, Render};
+use crate::{progress, report};
+use pmcip::error::Error;
+use pmcip::frame_io::{self, Picture};
+use pmcip::render::{self, Frame, Method, Settings};
+use pmcip::scene::{self, LoadedScene};
+use pmcip::{metrics, output};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// Samples per pixel where neither the command nor the scene says.
+const DEFAULT_SPP: u32 = 64;
+/// Path depth where neither the command nor the scene says.
+const DEFAULT_DEPTH: u32 = 8;
+/// Luminance of radiance 1 in cd/m², for images that do not say.
+const DEFAULT_CD_PER_UNIT: f64 = 100.0;
+
+/// Why a command ended without success.
+pub struct Failure {
+    /// 2 for bad input, 1 for failed work.
+    pub code: u8,
+    /// One line.
+    pub message: String,
+}
+
+/// Blames the input.
+fn bad(reason: impl ToString) -> Failure {
+    Failure { code: 2, message: reason.to_string() }
+}
+
+/// Blames the work.
+fn failed(reason: impl ToString) -> Failure {
+    Failure { code: 1, message: reason.to_string() }
+}
+
+/// Runs a command.
+pub fn run(command: Command) -> Result<(), Failure> {
+    match command {
+        Command::Render(arguments) => render_frame(&arguments),
+        Command::Reference(arguments) => render_reference(&arguments),
+        Command::Error(arguments) => compare(&arguments),
+        Command::Info(arguments) => info(&arguments),
+    }
+}
+
+fn render_frame(arguments: &Render) -> Result<(), Failure> {
+    let scene = load(&arguments.common)?;
+    let exr = arguments.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.exr", scene.name)));
+    let png = exr.with_extension("png");
+    [&exr, &png].into_iter().try_for_each(|path| output::check(path)).map_err(bad)?;
+    let spp = arguments.spp.or(scene.spp).unwrap_or(DEFAULT_SPP);
+    let settings = Settings {
+        iterations: arguments.iterations.unwrap_or(arguments.sampler.default_iterations(spp)),
+        estimator: arguments.estimator.unwrap_or(arguments.sampler.default_estimator()),
+        gamma: arguments.gamma.unwrap_or(arguments.sampler.default_gamma()),
+        ..settings(&scene, &arguments.common, arguments.sampler, spp)
+    };
+    let frame = work(&scene, &settings, &arguments.common)?;
+    let picture = frame.picture(&settings, &scene);
+    frame_io::write_exr(&exr, &picture).map_err(failed)?;
+    frame_io::write_png(&png, &picture, arguments.exposure).map_err(failed)?;
+    let files = [exr, png];
+    let report = report::Rendered::new(&scene, &settings, &frame, &files);
+    print(&arguments.common, arguments.json, &report);
+    Ok(())
+}
+
+fn render_reference(arguments: &Reference) -> Result<(), Failure> {
+    let scene = load(&arguments.common)?;
+    output::check(&arguments.output).map_err(bad)?;
+    let settings = settings(&scene, &arguments.common, Method::Uniform, arguments.spp);
+    let frame = work(&scene, &settings, &arguments.common)?;
+    frame_io::write_exr(&arguments.output, &frame.picture(&settings, &scene)).map_err(failed)?;
+    let report = report::Rendered::new(&scene, &settings, &frame, std::slice::from_ref(&arguments.output));
+    print(&arguments.common, arguments.json, &report);
+    Ok(())
+}
+
+/// Loads a scene that can be rendered, and passes on what the loader noticed.
+fn load(common: &Common) -> Result<LoadedScene, Failure> {
+    let scene = scene::load(&common.scene).map_err(bad)?;
+    scene.require_light().map_err(bad)?;
+    if !common.quiet {
+        scene.warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
+    }
+    Ok(scene)
+}
+
+/// The settings of the command and the scene, with the sampler's defaults for the rest.
+fn settings(scene: &LoadedScene, common: &Common, sampler: Method, spp: u32) -> Settings {
+    let (width, height) = common.size.unwrap_or((scene.width, scene.height));
+    Settings {
+        spp,
+        iterations: sampler.default_iterations(spp),
+        sampler,
+        estimator: sampler.default_estimator(),
+        gamma: sampler.default_gamma(),
+        max_depth: common.max_depth.or(scene.max_depth).unwrap_or(DEFAULT_DEPTH),
+        width,
+        height,
+        seed: common.seed,
+        look_from: common.look_from.unwrap_or(scene.view.from),
+        look_at: common.look_at.unwrap_or(scene.view.at),
+        up: common.up.unwrap_or(scene.view.up),
+        fov: common.fov.unwrap_or(scene.view.fov),
+    }
+}
+
+fn work(scene: &LoadedScene, settings: &Settings, common: &Common) -> Result<Frame, Failure> {
+    let pixels = u64::from(settings.width) * u64::from(settings.height);
+    let bar = progress::bar(pixels, settings.spp, common.quiet);
+    let frame = render::render(scene, settings, common.threads, &|samples| bar.inc(samples));
+    bar.finish_and_clear();
+    frame.map_err(|error| if matches!(error, Error::Setting(_)) { bad(error) } else { failed(error) })
+}
+
+fn print(common: &Common, json: bool, report: &report::Rendered) {
+    if json {
+        print_json(report);
+    } else if !common.quiet {
+        say(&report.to_string());
+    }
+}
+
+fn compare(arguments: &Compare) -> Result<(), Failure> {
+    let [image, reference] = [&arguments.image, &arguments.reference].map(|path| frame_io::read_exr(path));
+    let (image, reference) = (image.map_err(bad)?, reference.map_err(bad)?);
+    let cd_per_unit = cd_per_unit(&reference).or(cd_per_unit(&image)).unwrap_or(DEFAULT_CD_PER_UNIT);
+    let metrics = metrics::measure(&image, &reference, cd_per_unit).map_err(bad)?;
+    let report = report::Compared { cd_per_unit, metrics };
+    if arguments.json {
+        print_json(&report)
+    } else {
+        say(&report.to_string())
+    }
+    Ok(())
+}
+
+fn cd_per_unit(picture: &Picture) -> Option<f64> {
+    picture.attributes.get("cd_per_unit")?.parse().ok().filter(|cd: &f64| cd.is_finite() && *cd > 0.0)
+}
+
+fn info(arguments: &Info) -> Result<(), Failure> {
+    let scene = scene::load(&arguments.scene).map_err(bad)?;
+    let report = report::Contents::new(&scene);
+    if arguments.json {
+        print_json(&report)
+    } else {
+        say(&report.to_string())
+    }
+    Ok(())
+}
+
+fn print_json(report: &impl serde::Serialize) {
+    // Plain data with string keys: it cannot fail to become JSON.
+    say(&serde_json::to_string_pretty(report).unwrap_or_default());
+}
+
+fn say(text: &str) {
+    // A reader that has closed the pipe has read enough.
+    let _ = writeln!(std::io::stdout(), "{}", text.trim_end());
+}

@@ -1,0 +1,197 @@
+//! What the commands print: the same facts as words and as JSON.
+
+use pmcip::metrics::{Metrics, luminance};
+use pmcip::render::{Frame, Settings};
+use pmcip::scene::LoadedScene;
+use serde::Serialize;
+use std::fmt::{self, Display, Formatter};
+use std::path::PathBuf;
+
+/// A finished render.
+#[derive(Debug, Serialize)]
+pub struct Rendered<'a> {
+    scene: &'a str,
+    settings: &'a Settings,
+    threads: usize,
+    seconds: f64,
+    samples: u64,
+    samples_per_second: f64,
+    rejected: u64,
+    estimated_relative_error: f64,
+    lane_occupancy: Option<f64>,
+    files: &'a [PathBuf],
+    warnings: &'a [String],
+}
+
+impl<'a> Rendered<'a> {
+    /// Collects the facts.
+    pub fn new(scene: &'a LoadedScene, settings: &'a Settings, frame: &Frame, files: &'a [PathBuf]) -> Self {
+        Rendered {
+            scene: &scene.name,
+            settings,
+            threads: frame.threads,
+            seconds: frame.seconds,
+            samples: frame.samples,
+            samples_per_second: frame.samples as f64 / frame.seconds,
+            rejected: frame.rejected,
+            estimated_relative_error: relative_error(frame),
+            lane_occupancy: frame.lane_occupancy,
+            files,
+            warnings: &scene.warnings,
+        }
+    }
+}
+
+/// Root mean square over pixels of the standard error over the luminance, as relMSE weighs dark pixels.
+fn relative_error(frame: &Frame) -> f64 {
+    let terms = frame.rgb.iter().zip(&frame.variance).map(|(&rgb, &variance)| {
+        let value = luminance(rgb);
+        f64::from(variance) / (value * value + 0.01)
+    });
+    (terms.sum::<f64>() / frame.rgb.len() as f64).sqrt()
+}
+
+impl Display for Rendered<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let Settings { width, height, spp, iterations, sampler, estimator, .. } = self.settings;
+        writeln!(
+            f,
+            "{}: {width}×{height} pixels, {spp} samples per pixel in {iterations} iterations",
+            self.scene
+        )?;
+        writeln!(f, "sampler {sampler}, estimator {estimator}, seed {}", self.settings.seed)?;
+        let rate = self.samples_per_second / 1e6;
+        writeln!(f, "{:.2} s on {} threads, {rate:.2} million samples/s", self.seconds, self.threads)?;
+        let error = 100.0 * self.estimated_relative_error;
+        writeln!(f, "estimated relative error {error:.2} % (RMS), {} samples rejected", self.rejected)?;
+        let files: Vec<_> = self.files.iter().map(|file| file.display().to_string()).collect();
+        writeln!(f, "wrote {}", files.join(" and "))
+    }
+}
+
+/// An image measured against a reference.
+#[derive(Debug, Serialize)]
+pub struct Compared {
+    /// Luminance of radiance 1 in cd/m².
+    pub cd_per_unit: f64,
+    /// The measures.
+    #[serde(flatten)]
+    pub metrics: Metrics,
+}
+
+impl Display for Compared {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let m = &self.metrics;
+        let rows = [
+            ("Err", m.err, "mean of e²/tvi, radiance 1 is"),
+            ("low-pass Err", m.err_lowpass, "after an 8×8 box average"),
+            ("MSE", m.mse, ""),
+            ("trimmed", m.mse_trimmed, "without the worst 0.1 % of pixels"),
+            ("relMSE", m.rel_mse, "mean of e²/(ref² + 0.01)"),
+            ("trimmed", m.rel_mse_trimmed, "without the worst 0.1 % of pixels"),
+        ];
+        for (i, (name, value, note)) in rows.into_iter().enumerate() {
+            let unit = if i == 0 { format!(" {} cd/m²", self.cd_per_unit) } else { String::new() };
+            writeln!(f, "{}", format!("{name:<13} {value:<11.4e} {note}{unit}").trim_end())?;
+        }
+        let (bias, stderr) = (100.0 * m.energy_bias, 100.0 * m.energy_bias_stderr);
+        writeln!(f, "energy bias   {bias:+.4} % ± {stderr:.4}")?;
+        match m.oracle_ratio {
+            Some(ratio) => writeln!(f, "oracle ratio  {ratio:<11.2} what known variances would gain in Err"),
+            None => Ok(()),
+        }
+    }
+}
+
+/// What is in a scene.
+#[derive(Debug, Serialize)]
+pub struct Contents<'a> {
+    scene: &'a str,
+    triangles: usize,
+    emitting_triangles: usize,
+    materials: usize,
+    textures: usize,
+    nodes: usize,
+    megabytes: f64,
+    bounds: Option<[[f32; 3]; 2]>,
+    width: u32,
+    height: u32,
+    cd_per_unit: f32,
+    spp: Option<u32>,
+    max_depth: Option<u32>,
+    look_from: [f32; 3],
+    look_at: [f32; 3],
+    up: [f32; 3],
+    fov: f32,
+    warnings: &'a [String],
+}
+
+impl<'a> Contents<'a> {
+    /// Collects the facts.
+    pub fn new(scene: &'a LoadedScene) -> Self {
+        Contents {
+            scene: &scene.name,
+            triangles: scene.triangles.len(),
+            emitting_triangles: scene.lights.len(),
+            materials: scene.materials.len(),
+            textures: scene.textures.len(),
+            nodes: scene.nodes.len(),
+            megabytes: bytes(scene) as f64 / 1e6,
+            bounds: bounds(scene),
+            width: scene.width,
+            height: scene.height,
+            cd_per_unit: scene.cd_per_unit,
+            spp: scene.spp,
+            max_depth: scene.max_depth,
+            look_from: scene.view.from,
+            look_at: scene.view.at,
+            up: scene.view.up,
+            fov: scene.view.fov,
+            warnings: &scene.warnings,
+        }
+    }
+}
+
+/// Bytes of the arrays that the core borrows.
+fn bytes(scene: &LoadedScene) -> usize {
+    let data = scene.data();
+    size_of_val(data.nodes)
+        + size_of_val(data.triangles)
+        + size_of_val(data.surfaces)
+        + size_of_val(data.materials)
+        + size_of_val(data.textures)
+        + size_of_val(data.texels)
+        + size_of_val(data.lights)
+}
+
+/// Lower and upper corner of the box around all triangles.
+fn bounds(scene: &LoadedScene) -> Option<[[f32; 3]; 2]> {
+    let corners = scene.triangles.iter().flat_map(|triangle| triangle.corners);
+    corners.map(|corner| [corner, corner]).reduce(|[low, high], [corner, _]| {
+        let pick = |f: fn(f32, f32) -> f32, a: [f32; 3]| [0, 1, 2].map(|i| f(a[i], corner[i]));
+        [pick(f32::min, low), pick(f32::max, high)]
+    })
+}
+
+fn point([x, y, z]: [f32; 3]) -> String {
+    format!("{x},{y},{z}")
+}
+
+impl Display for Contents<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        writeln!(
+            f,
+            "{}: {} triangles, {} of them shine",
+            self.scene, self.triangles, self.emitting_triangles
+        )?;
+        writeln!(f, "{} materials, {} textures", self.materials, self.textures)?;
+        writeln!(f, "{} nodes in the hierarchy, {:.1} MB in all", self.nodes, self.megabytes)?;
+        if let Some([low, high]) = self.bounds {
+            writeln!(f, "from {} to {}", point(low), point(high))?;
+        }
+        writeln!(f, "{}×{} pixels, radiance 1 is {} cd/m²", self.width, self.height, self.cd_per_unit)?;
+        let (from, at, up) = (point(self.look_from), point(self.look_at), point(self.up));
+        writeln!(f, "camera --look-from {from} --look-at {at} --up {up} --fov {}", self.fov)?;
+        self.warnings.iter().try_for_each(|warning| writeln!(f, "warning: {warning}"))
+    }
+}
