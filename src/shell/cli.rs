@@ -2,7 +2,7 @@
 
 use clap::error::ErrorKind;
 use clap::{Args, Parser, Subcommand};
-use pmcip::render::{Estimate, Method};
+use pmcip::settings::{Estimate, MAX_DEPTH, Method};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -84,7 +84,7 @@ pub struct Common {
     /// Scene file (.toml) or bare .obj
     pub scene: PathBuf,
     /// Longest path in segments, counted from the eye: 2 is direct light only [default: the scene's, or 8]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_DEPTH)))]
     pub max_depth: Option<u32>,
     /// Image size in pixels [default: the scene's]
     #[arg(long, value_name = "WxH", value_parser = size)]
