@@ -1,34 +1,14 @@
-//! What the scene loader makes of OBJ, MTL and scene files.
+//! What the scene loader makes of OBJ and scene files.
+
+mod scene_files;
 
 use pmcip::scene::{LoadedScene, load};
-use pmcip_core::scene::{Material, NO_TEXTURE, Scattering};
+use pmcip_core::scene::{Scattering, Scene};
+use scene_files::{SQUARE, load_files};
 use std::path::Path;
-use tempfile::TempDir;
-
-/// A folder with the given files.
-fn folder(files: &[(&str, &str)]) -> TempDir {
-    let dir = tempfile::tempdir().unwrap();
-    for (name, text) in files {
-        std::fs::write(dir.path().join(name), text).unwrap();
-    }
-    dir
-}
-
-/// Loads the first of the given files.
-fn load_files(files: &[(&str, &str)]) -> LoadedScene {
-    let dir = folder(files);
-    load(&dir.path().join(files[0].0)).unwrap()
-}
 
 fn load_obj(text: &str) -> LoadedScene {
     load_files(&[("scene.obj", text)])
-}
-
-/// The material of an OBJ that uses one called `m`.
-fn material(mtl: &str) -> (Material, Vec<String>) {
-    let obj = "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n";
-    let scene = load_files(&[("scene.obj", obj), ("m.mtl", &format!("newmtl m\n{mtl}"))]);
-    (scene.materials[scene.surfaces[0].material as usize], scene.warnings)
 }
 
 /// Unnormalised geometric normal of a triangle.
@@ -40,8 +20,6 @@ fn front(scene: &LoadedScene, i: usize) -> glam::Vec3 {
 fn total_area(scene: &LoadedScene) -> f32 {
     (0..scene.triangles.len()).map(|i| 0.5 * front(scene, i).length()).sum()
 }
-
-const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 
 fn close(a: [f32; 3], b: [f32; 3]) -> bool {
     glam::Vec3::from(a).distance(b.into()) < 1e-5
@@ -125,113 +103,6 @@ fn degenerate_triangles_are_left_out_and_counted() {
         "{:?}",
         scene.warnings
     );
-}
-
-#[test]
-fn materials_that_are_missing_are_grey_and_named() {
-    let text = format!("mtllib gone.mtl\n{SQUARE}usemtl velvet\nf 1 2 3\n");
-    let scene = load_obj(&text);
-    assert_eq!(scene.materials[0], Material::default());
-    assert!(scene.warnings[0].contains("gone.mtl is missing"), "{:?}", scene.warnings);
-    assert!(scene.warnings[1].contains("no MTL file defines \"velvet\""), "{:?}", scene.warnings);
-    assert!(load_obj(&format!("{SQUARE}f 1 2 3\n")).warnings.is_empty());
-}
-
-#[test]
-fn material_files_may_have_blanks_in_their_names_or_be_several() {
-    let mtl = |name: &str| format!("newmtl {name}\nKd 0 0 0\n");
-    let both = format!(
-        "mtllib a.mtl b.mtl\nmtllib c d.mtl\n{SQUARE}usemtl a\nf 1 2 3\nusemtl b\nf 1 2 4\nusemtl c d\nf 2 3 4\n"
-    );
-    let scene = load_files(&[
-        ("scene.obj", &both),
-        ("a.mtl", &mtl("a")),
-        ("b.mtl", &mtl("b")),
-        ("c d.mtl", &mtl("c d")),
-    ]);
-    assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
-    assert!(scene.materials.iter().all(|m| m.diffuse == [0.0; 3]));
-}
-
-#[test]
-fn illumination_models_choose_the_scattering() {
-    let kind = |mtl: &str| material(mtl).0.scattering;
-    for model in [3, 5] {
-        assert_eq!(kind(&format!("Ks 0.9 0.8 0.7\nillum {model}\n")), Scattering::Mirror);
-    }
-    for model in [4, 6, 7, 9] {
-        assert_eq!(kind(&format!("Ni 1.33\nillum {model}\n")), Scattering::Dielectric);
-    }
-    assert_eq!(kind("d 0.5\nNi 1.5\n"), Scattering::Dielectric);
-    assert_eq!(kind("Tf 0.9 0.9 0.9\nNi 1.5\nillum 2\n"), Scattering::Dielectric);
-    assert_eq!(kind("Tf 1 1 1\nd 1\nNi 1.5\nillum 2\n"), Scattering::Rough);
-    assert_eq!(kind("d 0.5\nNi 1\n"), Scattering::Rough);
-    assert_eq!(kind("d 0.5\n"), Scattering::Rough);
-}
-
-#[test]
-fn material_values_arrive() {
-    let (mirror, _) = material("Ks 0.9 0.8 0.7\nillum 5\n");
-    assert_eq!(mirror.specular, [0.9, 0.8, 0.7]);
-    let (glass, _) = material("Ks 0.1 0.1 0.1\nTf 0.2 0.2 0.2\nNi 1.33\nillum 7\n");
-    assert_eq!((glass.ior, glass.specular), (1.33, [1.0; 3]));
-    let (rough, warnings) = material("Kd 0.4\nKs 0.1 0.2 0.3 # comment\nNs 198\nKe 17 12 4\nillum 2\n");
-    assert_eq!(
-        (rough.diffuse, rough.specular, rough.emission),
-        ([0.4; 3], [0.1, 0.2, 0.3], [17.0, 12.0, 4.0])
-    );
-    assert!((rough.roughness - 0.1).abs() < 1e-6);
-    assert!(warnings.is_empty(), "{warnings:?}");
-}
-
-#[test]
-fn materials_that_would_make_light_are_clamped_or_named() {
-    let (clamped, warnings) = material("Kd 1.5 0.5 -1\nKe -1 0 0\n");
-    assert_eq!((clamped.diffuse, clamped.emission), ([1.0, 0.5, 0.0], [0.0; 3]));
-    assert!(warnings.iter().any(|w| w.contains("material \"m\": Kd is outside 0 to 1")), "{warnings:?}");
-    let (_, warnings) = material("Kd 0.8 0.8 0.8\nKs 0.9 0.9 0.9\n");
-    assert!(warnings[0].contains("Kd + Ks is above 1"), "{warnings:?}");
-}
-
-/// A scene of one textured square; `image` is written as `picture.png`.
-fn textured(map: &str, pixels: Option<image::RgbImage>) -> LoadedScene {
-    let obj =
-        format!("mtllib m.mtl\n{SQUARE}vt 0 0\nvt 1 0\nvt 1 1\nusemtl a\nf 1/1 2/2 3/3\nusemtl b\nf 1 3 4\n");
-    let mtl = format!("newmtl a\nmap_Kd {map}\nnewmtl b\nKd 0.5 0.5 0.5\nmap_Kd {map}\n");
-    let dir = folder(&[("scene.obj", &obj), ("m.mtl", &mtl)]);
-    if let Some(pixels) = pixels {
-        pixels.save(dir.path().join("picture.png")).unwrap();
-    }
-    load(&dir.path().join("scene.obj")).unwrap()
-}
-
-#[test]
-fn textures_are_read_once_and_made_linear() {
-    let pixels = image::RgbImage::from_fn(2, 1, |x, _| image::Rgb([255 * x as u8, 188, 10]));
-    let scene = textured("picture.png", Some(pixels));
-    assert_eq!((scene.textures.len(), scene.texels.len()), (1, 2));
-    assert_eq!((scene.textures[0].width, scene.textures[0].height, scene.textures[0].first), (2, 1, 0));
-    assert!(close(scene.texels[0], [0.0, 0.502_886, 0.003_035]), "{:?}", scene.texels);
-    assert_eq!(scene.texels[1][0], 1.0);
-    assert_eq!(
-        scene.materials.iter().map(|m| (m.texture, m.diffuse[0])).collect::<Vec<_>>(),
-        [(0, 1.0), (0, 0.5)]
-    );
-}
-
-#[test]
-fn textures_that_are_missing_or_broken_give_way_to_the_colour() {
-    let scene = textured("picture.png", None);
-    assert!(scene.warnings[0].contains("map_Kd") && scene.warnings[0].contains("picture.png"));
-    assert!(scene.materials.iter().all(|m| m.texture == NO_TEXTURE && m.diffuse == [0.5; 3]));
-    assert_eq!(textured("scene.obj", None).textures.len(), 0);
-}
-
-#[test]
-fn texture_options_are_skipped_with_a_warning() {
-    let scene = textured("-s 2 2 1 picture.png", Some(image::RgbImage::new(1, 1)));
-    assert_eq!(scene.textures.len(), 1);
-    assert!(scene.warnings.iter().any(|w| w.contains("options of map_Kd")), "{:?}", scene.warnings);
 }
 
 #[test]
@@ -342,6 +213,7 @@ fn the_projects_own_scenes_load_without_warnings() {
         let scene = load(&Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("scenes/{name}.toml"))).unwrap();
         assert_eq!((scene.name.as_str(), scene.triangles.len()), (name, triangles));
         assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+        assert!(Scene::new(scene.data()).is_ok());
         assert_eq!((scene.width, scene.height, scene.lights.len()), (512, 512, 2));
         let lamps = scene.lights.iter().map(|l| l.triangle as usize);
         assert!(lamps.into_iter().all(|i| front(&scene, i).y < 0.0), "{name}: the light shines up");

@@ -69,8 +69,8 @@ impl Estimator {
                 (new.mean, weight * (new.count as f32 / planes.target[i]))
             }
         };
-        for c in 0..3 {
-            planes.sum[c][i] += factor * value[c];
+        for (sum, value) in planes.sum.iter_mut().zip(value) {
+            sum[i] += factor * value;
         }
     }
 

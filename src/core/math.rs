@@ -4,6 +4,7 @@
 //! bits come out of every processor and of every `wide` back end. Errors stated are measured by the tests.
 
 use bytemuck::cast;
+use core::f32::consts::{LN_2, TAU};
 use wide::{f32x8, i32x8};
 
 /// Bits of √½: mantissas are brought into [√½, √2), so that the logarithm's series is short around 1.
@@ -42,16 +43,7 @@ pub fn exp2(x: f32x8) -> f32x8 {
     // Taylor series of exp(f·ln 2), |f| ≤ ½.
     let fraction = polynomial(
         x - whole,
-        [
-            1.0,
-            0.693_147_2,
-            0.240_226_5,
-            0.055_504_11,
-            0.009_618_129,
-            0.001_333_355_8,
-            1.540_353e-4,
-            1.525_273e-5,
-        ],
+        [1.0, LN_2, 0.240_226_5, 0.055_504_11, 0.009_618_129, 0.001_333_355_8, 1.540_353e-4, 1.525_273e-5],
     );
     let scale: f32x8 = cast((whole.fast_trunc_int() + i32x8::splat(127)) << 23);
     fraction * scale
@@ -67,7 +59,7 @@ pub fn powf(x: f32x8, y: f32x8) -> f32x8 {
 #[inline]
 pub fn sin_cos_turn(turn: f32x8) -> (f32x8, f32x8) {
     let quarter = (turn * f32x8::splat(4.0)).round_ties_even();
-    let a = (turn - quarter * f32x8::splat(0.25)) * f32x8::splat(core::f32::consts::TAU);
+    let a = (turn - quarter * f32x8::splat(0.25)) * f32x8::splat(TAU);
     let aa = a * a;
     let sin = a * polynomial(aa, [1.0, -1.0 / 6.0, 1.0 / 120.0, -1.0 / 5_040.0, 1.0 / 362_880.0]);
     let cos = polynomial(aa, [1.0, -0.5, 1.0 / 24.0, -1.0 / 720.0, 1.0 / 40_320.0]);

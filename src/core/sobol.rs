@@ -48,10 +48,10 @@ pub fn hash8(x: u32x8) -> u32x8 {
 /// Owen scrambling of bit-reversed numbers: a bit is flipped depending on the bits below it only.
 #[inline(always)]
 fn owen(x: u32x8, seed: u32x8) -> u32x8 {
-    let mut x = x ^ x * u32x8::splat(0x3d20_adea);
+    let mut x = x ^ (x * u32x8::splat(0x3d20_adea));
     x = (x + seed) * (seed >> 16 | u32x8::splat(1));
-    x = x ^ x * u32x8::splat(0x0552_6c56);
-    x ^ x * u32x8::splat(0x53a2_2864)
+    x = x ^ (x * u32x8::splat(0x0552_6c56));
+    x ^ (x * u32x8::splat(0x53a2_2864))
 }
 
 /// The second Sobol coordinate, bits reversed: the index as a polynomial p(z) over GF(2), taken to p(1 + z).

@@ -12,7 +12,7 @@ use crate::scene::Triangle;
 use crate::vec3::Vec3x8;
 use wide::{f32x8, u32x8};
 
-/// A candidate intersection; `valid` has all bits set in lanes that hit in front of the origin.
+/// A candidate intersection; `valid` has all bits set in lanes that hit between origin and `t_max`.
 struct Candidate {
     valid: f32x8,
     t: f32x8,
@@ -20,24 +20,29 @@ struct Candidate {
     v: f32x8,
 }
 
+/// The intersection, or none if no lane passes through the triangle.
 #[inline(always)]
-fn intersect(rays: &Prepared, triangle: &Triangle, t_max: f32x8) -> Candidate {
+fn intersect(rays: &Prepared, triangle: &Triangle, t_max: f32x8) -> Option<Candidate> {
     let corner = triangle.corners.map(|c| {
         let c = Vec3x8::splat(c);
-        [0, 1, 2].map(|k| coordinate(rays, k, c))
+        [coordinate(rays, 0, c), coordinate(rays, 1, c)]
     });
     let edge = |a: usize, b: usize| corner[a][0] * corner[b][1] - corner[a][1] * corner[b][0];
-    let (w0, w1, w2) = (edge(1, 2), edge(2, 0), edge(0, 1));
+    let w = [edge(1, 2), edge(2, 0), edge(0, 1)];
     let zero = f32x8::ZERO;
-    let low = w0.fast_min(w1).fast_min(w2);
-    let high = w0.fast_max(w1).fast_max(w2);
+    let low = w[0].fast_min(w[1]).fast_min(w[2]);
+    let high = w[0].fast_max(w[1]).fast_max(w[2]);
     let inside = low.simd_ge(zero) | high.simd_le(zero);
-    let sum = w0 + w1 + w2;
+    if !inside.any() {
+        return None;
+    }
+    let distance = triangle.corners.map(|c| coordinate(rays, 2, Vec3x8::splat(c)));
+    let sum = w[0] + w[1] + w[2];
     let inverse = f32x8::ONE / sum;
-    let (u, v) = (w1 * inverse, w2 * inverse);
-    let t = corner[0][2] + u * (corner[1][2] - corner[0][2]) + v * (corner[2][2] - corner[0][2]);
+    let (u, v) = (w[1] * inverse, w[2] * inverse);
+    let t = distance[0] + u * (distance[1] - distance[0]) + v * (distance[2] - distance[0]);
     let valid = inside & sum.simd_ne(zero) & t.simd_ge(zero) & t.simd_le(t_max);
-    Candidate { valid, t, u, v }
+    Some(Candidate { valid, t, u, v })
 }
 
 /// Coordinate `k` of a corner in the rays' frames, relative to their origins.
@@ -49,10 +54,7 @@ fn coordinate(rays: &Prepared, k: usize, corner: Vec3x8) -> f32x8 {
 /// Replaces `hits` in the lanes where triangle `index` is nearer, or as near with a lower index.
 #[inline(always)]
 pub(super) fn closest(rays: &Prepared, triangle: &Triangle, index: u32, hits: &mut Hits8) {
-    let candidate = intersect(rays, triangle, hits.t);
-    if !candidate.valid.any() {
-        return;
-    }
+    let Some(candidate) = intersect(rays, triangle, hits.t) else { return };
     let index = u32x8::splat(index);
     let tie = candidate.t.simd_eq(hits.t);
     let lower: f32x8 = bytemuck::cast(index.simd_lt(hits.triangle));
@@ -67,7 +69,7 @@ pub(super) fn closest(rays: &Prepared, triangle: &Triangle, index: u32, hits: &m
 /// Lanes in which the triangle lies between origin and `t_max`.
 #[inline(always)]
 pub(super) fn blocks(rays: &Prepared, triangle: &Triangle, t_max: f32x8) -> f32x8 {
-    intersect(rays, triangle, t_max).valid
+    intersect(rays, triangle, t_max).map_or(f32x8::ZERO, |candidate| candidate.valid)
 }
 
 impl Hits8 {

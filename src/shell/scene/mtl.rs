@@ -123,35 +123,41 @@ fn finite(word: Option<&str>) -> Result<f32, String> {
 /// What the core makes of a material.
 fn convert(file: &Path, source: &tobj::Material, assembly: &mut Assembly) -> Result<Material, Error> {
     let context = format!("{}: material \"{}\"", file.display(), source.name);
-    let scattering = scattering(source);
-    let (specular_default, specular_key) = match scattering {
-        Scattering::Mirror => ([1.0; 3], source.specular),
-        Scattering::Dielectric => ([1.0; 3], None),
-        Scattering::Rough => ([0.0; 3], source.specular),
-    };
     let texture = match &source.diffuse_texture {
         Some(name) => texture(file, name, &context, assembly),
         None => NO_TEXTURE,
     };
-    let diffuse_default = if texture == NO_TEXTURE { [0.5; 3] } else { [1.0; 3] };
-    let material = Material {
-        scattering,
+    let unstated = if texture == NO_TEXTURE { [0.5; 3] } else { [1.0; 3] };
+    let mut material = Material {
+        scattering: scattering(source),
         texture,
-        diffuse: reflectance(source.diffuse.unwrap_or(diffuse_default), "Kd", &context, assembly),
-        specular: reflectance(specular_key.unwrap_or(specular_default), "Ks", &context, assembly),
+        diffuse: reflectance(source.diffuse.unwrap_or(unstated), "Kd", &context, assembly),
         roughness: roughness(source.shininess.unwrap_or(0.0)),
-        ior: source.optical_density.unwrap_or(DEFAULT_IOR),
         emission: emission(source.emissive.unwrap_or_default(), &context, assembly),
+        ..Material::default()
     };
-    if scattering == Scattering::Dielectric && material.ior <= 0.0 {
+    let mut specular = |unstated| reflectance(source.specular.unwrap_or(unstated), "Ks", &context, assembly);
+    match material.scattering {
+        Scattering::Rough => material.specular = specular([0.0; 3]),
+        Scattering::Mirror => material.specular = specular([1.0; 3]),
+        Scattering::Dielectric => {
+            material.specular = [1.0; 3];
+            material.ior = source.optical_density.unwrap_or(DEFAULT_IOR);
+        }
+    }
+    if material.ior <= 0.0 {
         let message = format!("material \"{}\": Ni: expected an index above 0", source.name);
         return Err(Error::in_file(file, message));
     }
-    let sum = |i: usize| material.diffuse[i] + material.specular[i];
-    if scattering == Scattering::Rough && (0..3).any(|i| sum(i) > 1.0 + f32::EPSILON) {
+    if reflects_more_than_all(&material) {
         assembly.warn(format!("{context}: Kd + Ks is above 1: it may reflect more light than it gets"));
     }
     Ok(material)
+}
+
+fn reflects_more_than_all(material: &Material) -> bool {
+    let sums = (0..3).map(|i| material.diffuse[i] + material.specular[i]);
+    material.scattering == Scattering::Rough && sums.into_iter().any(|sum| sum > 1.0 + f32::EPSILON)
 }
 
 fn scattering(source: &tobj::Material) -> Scattering {

@@ -1,0 +1,126 @@
+//! What several test files share: random numbers and scenes made by hand.
+#![allow(dead_code, reason = "each test file uses its own part")]
+
+use pmcip::scene::bvh;
+use pmcip_core::batch::{Batch8, Rgb8};
+use pmcip_core::camera::Camera;
+use pmcip_core::sampler::{Memory, Sampler, Schedule, Settings, Workspace};
+use pmcip_core::scene::{Light, Material, Node8, Scene, SceneData, Surface, Triangle};
+use pmcip_core::shade::light;
+use pmcip_core::shade::path::{Packet, PathTracer, Traffic};
+use rand_xoshiro::Xoshiro256PlusPlus;
+use rand_xoshiro::rand_core::{Rng, SeedableRng};
+
+/// Seeded uniform numbers.
+pub struct Random(Xoshiro256PlusPlus);
+
+impl Random {
+    pub fn new(seed: u64) -> Self {
+        Random(Xoshiro256PlusPlus::seed_from_u64(seed))
+    }
+
+    /// Uniform in `[0, 1)`.
+    pub fn unit(&mut self) -> f32 {
+        (self.0.next_u32() >> 8) as f32 / (1 << 24) as f32
+    }
+
+    /// Uniform in `[-1, 1)³`.
+    pub fn cube(&mut self) -> [f32; 3] {
+        [0; 3].map(|_| self.unit() * 2.0 - 1.0)
+    }
+
+    /// Uniform on the unit sphere.
+    pub fn direction(&mut self) -> [f32; 3] {
+        loop {
+            let v = self.cube();
+            let length2: f32 = v.iter().map(|x| x * x).sum();
+            if (1e-3..=1.0).contains(&length2) {
+                return v.map(|x| x / length2.sqrt());
+            }
+        }
+    }
+}
+
+/// A scene that owns its arrays.
+pub struct Owned {
+    pub nodes: Vec<Node8>,
+    pub triangles: Vec<Triangle>,
+    pub surfaces: Vec<Surface>,
+    pub materials: Vec<Material>,
+    pub lights: Vec<Light>,
+}
+
+impl Owned {
+    /// Builds hierarchy and lights over triangles with their material's index.
+    pub fn new(parts: &[(Triangle, u32)], materials: Vec<Material>) -> Self {
+        let unordered: Vec<Triangle> = parts.iter().map(|p| p.0).collect();
+        let built = bvh::build(&unordered);
+        let ordered = || built.order.iter().map(|&i| parts[i as usize]);
+        let triangles: Vec<Triangle> = ordered().map(|p| p.0).collect();
+        let surfaces: Vec<Surface> =
+            ordered().map(|p| Surface { material: p.1, ..Surface::default() }).collect();
+        let mut lights = vec![Light::default(); light::count(&surfaces, &materials)];
+        let used = light::build(&triangles, &surfaces, &materials, &mut lights);
+        lights.truncate(used);
+        Owned { nodes: built.nodes, triangles, surfaces, materials, lights }
+    }
+
+    pub fn scene(&self) -> Scene<'_> {
+        Scene::new(SceneData {
+            nodes: &self.nodes,
+            triangles: &self.triangles,
+            surfaces: &self.surfaces,
+            materials: &self.materials,
+            lights: &self.lights,
+            ..SceneData::default()
+        })
+        .unwrap()
+    }
+}
+
+/// The twelve triangles of the box `lower..upper`, fronts inwards.
+pub fn inward_box(lower: [f32; 3], upper: [f32; 3]) -> Vec<Triangle> {
+    let corner = |i: usize| [0, 1, 2].map(|axis| if i >> axis & 1 == 0 { lower[axis] } else { upper[axis] });
+    let faces = [[0, 2, 6, 4], [1, 5, 7, 3], [0, 4, 5, 1], [2, 3, 7, 6], [0, 1, 3, 2], [4, 6, 7, 5]];
+    let triangle = |f: [usize; 3]| Triangle { corners: f.map(corner) };
+    faces.iter().flat_map(|&[a, b, c, d]| [triangle([a, b, c]), triangle([a, c, d])]).collect()
+}
+
+/// A picture made on one thread with the core alone: interleaved RGB, and how full the packets were.
+pub fn render(
+    scene: Scene<'_>,
+    camera: Camera,
+    max_depth: u32,
+    settings: Settings,
+    schedule: Schedule,
+) -> (Vec<f32>, Traffic) {
+    const STREAM: usize = 2048;
+    let (width, height) = (settings.width, settings.height);
+    let required = Sampler::required(width, height);
+    let (mut floats, mut words) = (vec![0.0; required.floats], vec![0; required.words]);
+    let mut sampler = Sampler::new(settings, Memory { floats: &mut floats, words: &mut words }).unwrap();
+    let mut packets = vec![Packet::default(); PathTracer::required(STREAM)];
+    let mut tracer = PathTracer::new(scene, camera, max_depth, &mut packets);
+    let (mut batches, mut radiance) =
+        (vec![Batch8::default(); STREAM / 8], vec![Rgb8::default(); STREAM / 8]);
+    let mut work = Workspace::new(&mut batches, &mut radiance).unwrap();
+    for samples in schedule {
+        sampler.begin(samples).unwrap();
+        for mut job in sampler.jobs() {
+            job.render(&mut tracer, &mut work);
+        }
+        assert_eq!(sampler.end().unwrap().rejected, 0);
+    }
+    let mut scratch = vec![Default::default(); Sampler::resolve_scratch(width, height)];
+    let mut rgb = vec![0.0; 3 * (width * height) as usize];
+    sampler.resolve(settings.estimator, &mut scratch, &mut rgb).unwrap();
+    (rgb, tracer.traffic())
+}
+
+/// Mean and standard error of the mean.
+pub fn mean_and_error(values: &[f64]) -> (f64, f64) {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let square = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>();
+    (mean, (square / (n * (n - 1.0))).sqrt())
+}
