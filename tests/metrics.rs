@@ -65,7 +65,7 @@ fn channels_are_averaged_in_mse_and_weighted_in_luminance() {
 
 #[test]
 fn low_pass_cancels_what_alternates_and_keeps_what_stays() {
-    let checker = |x: u32, y: u32| if (x + y) % 2 == 0 { 0.1 } else { -0.1 };
+    let checker = |x: u32, y: u32| if (x + y).is_multiple_of(2) { 0.1 } else { -0.1 };
     let m = measure(&filled(|x, y| [1.0 + checker(x, y); 3]), &filled(|_, _| [1.0; 3]), CD).unwrap();
     assert!(m.err > 1.0 && m.err_lowpass < 1e-9 * m.err);
 }

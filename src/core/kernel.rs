@@ -70,3 +70,6 @@ impl Kernel {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -2,7 +2,7 @@
 
 use clap::error::ErrorKind;
 use clap::{Args, Parser, Subcommand};
-use pmcip::render::{Estimate, Method};
+use pmcip::settings::{Estimate, MAX_DEPTH, Method};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -52,7 +52,7 @@ pub struct Render {
     #[arg(long, value_enum)]
     pub estimator: Option<Estimate>,
     /// Power of the kernel's weights: 0 is uniform, 1/2 least error, 1 evenest error [default: the sampler's]
-    #[arg(long, value_name = "G", value_parser = gamma)]
+    #[arg(long, value_name = "G", value_parser = gamma, allow_negative_numbers = true)]
     pub gamma: Option<f32>,
     /// Brightness of the PNG in stops: each doubles it
     #[arg(long, value_name = "EV", default_value_t = 0.0, allow_hyphen_values = true, value_parser = finite)]
@@ -84,13 +84,13 @@ pub struct Common {
     /// Scene file (.toml) or bare .obj
     pub scene: PathBuf,
     /// Longest path in segments, counted from the eye: 2 is direct light only [default: the scene's, or 8]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_DEPTH)))]
     pub max_depth: Option<u32>,
     /// Image size in pixels [default: the scene's]
     #[arg(long, value_name = "WxH", value_parser = size)]
     pub size: Option<(u32, u32)>,
     /// Number that picks the random points: the same seed makes the same picture
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true)]
     pub seed: u32,
     /// Threads to work with [default: all]
     #[arg(long, value_name = "N", value_parser = threads)]
@@ -105,7 +105,7 @@ pub struct Common {
     #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
     pub up: Option<[f32; 3]>,
     /// Vertical field of view in degrees, between 0 and 180
-    #[arg(long, value_name = "DEG", value_parser = fov)]
+    #[arg(long, value_name = "DEG", value_parser = fov, allow_negative_numbers = true)]
     pub fov: Option<f32>,
     /// Print nothing but errors
     #[arg(long)]

@@ -4,16 +4,13 @@ use crate::cli::{Command, Common, Compare, Info, Reference, Render};
 use crate::{progress, report};
 use pmcip::error::Error;
 use pmcip::frame_io::{self, Picture};
-use pmcip::render::{self, Frame, Method, Settings};
-use pmcip::scene::{self, LoadedScene};
+use pmcip::render::{self, Frame};
+use pmcip::scene::{self, LoadedScene, View};
+use pmcip::settings::{Method, Settings};
 use pmcip::{metrics, output};
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-/// Samples per pixel where neither the command nor the scene says.
-const DEFAULT_SPP: u32 = 64;
-/// Path depth where neither the command nor the scene says.
-const DEFAULT_DEPTH: u32 = 8;
 /// Luminance of radiance 1 in cd/m², for images that do not say.
 const DEFAULT_CD_PER_UNIT: f64 = 100.0;
 
@@ -50,13 +47,10 @@ fn render_frame(arguments: &Render) -> Result<(), Failure> {
     let exr = arguments.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.exr", scene.name)));
     let png = exr.with_extension("png");
     [&exr, &png].into_iter().try_for_each(|path| output::check(path)).map_err(bad)?;
-    let spp = arguments.spp.or(scene.spp).unwrap_or(DEFAULT_SPP);
-    let settings = Settings {
-        iterations: arguments.iterations.unwrap_or(arguments.sampler.default_iterations(spp)),
-        estimator: arguments.estimator.unwrap_or(arguments.sampler.default_estimator()),
-        gamma: arguments.gamma.unwrap_or(arguments.sampler.default_gamma()),
-        ..settings(&scene, &arguments.common, arguments.sampler, spp)
-    };
+    let mut settings = settings(&scene, &arguments.common, arguments.sampler, arguments.spp);
+    settings.iterations = arguments.iterations.unwrap_or(settings.iterations);
+    settings.sampler.gamma = arguments.gamma.unwrap_or(settings.sampler.gamma);
+    settings.set_estimator(arguments.estimator.map_or(settings.sampler.estimator, Into::into));
     let frame = work(&scene, &settings, &arguments.common)?;
     let picture = frame.picture(&settings, &scene);
     frame_io::write_exr(&exr, &picture).map_err(failed)?;
@@ -70,7 +64,7 @@ fn render_frame(arguments: &Render) -> Result<(), Failure> {
 fn render_reference(arguments: &Reference) -> Result<(), Failure> {
     let scene = load(&arguments.common)?;
     output::check(&arguments.output).map_err(bad)?;
-    let settings = settings(&scene, &arguments.common, Method::Uniform, arguments.spp);
+    let settings = settings(&scene, &arguments.common, Method::Uniform, Some(arguments.spp));
     let frame = work(&scene, &settings, &arguments.common)?;
     frame_io::write_exr(&arguments.output, &frame.picture(&settings, &scene)).map_err(failed)?;
     let report = report::Rendered::new(&scene, &settings, &frame, std::slice::from_ref(&arguments.output));
@@ -88,29 +82,22 @@ fn load(common: &Common) -> Result<LoadedScene, Failure> {
     Ok(scene)
 }
 
-/// The settings of the command and the scene, with the sampler's defaults for the rest.
-fn settings(scene: &LoadedScene, common: &Common, sampler: Method, spp: u32) -> Settings {
-    let (width, height) = common.size.unwrap_or((scene.width, scene.height));
-    Settings {
-        spp,
-        iterations: sampler.default_iterations(spp),
-        sampler,
-        estimator: sampler.default_estimator(),
-        gamma: sampler.default_gamma(),
-        max_depth: common.max_depth.or(scene.max_depth).unwrap_or(DEFAULT_DEPTH),
-        width,
-        height,
-        seed: common.seed,
-        look_from: common.look_from.unwrap_or(scene.view.from),
-        look_at: common.look_at.unwrap_or(scene.view.at),
+/// The settings of the command and the scene, with the method's defaults for the rest.
+fn settings(scene: &LoadedScene, common: &Common, method: Method, spp: Option<u32>) -> Settings {
+    let mut settings = Settings::new(scene, method, spp, common.size);
+    settings.max_depth = common.max_depth.unwrap_or(settings.max_depth);
+    settings.sampler.seed = common.seed;
+    settings.view = View {
+        from: common.look_from.unwrap_or(scene.view.from),
+        at: common.look_at.unwrap_or(scene.view.at),
         up: common.up.unwrap_or(scene.view.up),
         fov: common.fov.unwrap_or(scene.view.fov),
-    }
+    };
+    settings
 }
 
 fn work(scene: &LoadedScene, settings: &Settings, common: &Common) -> Result<Frame, Failure> {
-    let pixels = u64::from(settings.width) * u64::from(settings.height);
-    let bar = progress::bar(pixels, settings.spp, common.quiet);
+    let bar = progress::bar(settings.pixels(), settings.spp, common.quiet);
     let frame = render::render(scene, settings, common.threads, &|samples| bar.inc(samples));
     bar.finish_and_clear();
     frame.map_err(|error| if matches!(error, Error::Setting(_)) { bad(error) } else { failed(error) })

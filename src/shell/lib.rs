@@ -6,3 +6,4 @@ pub mod metrics;
 pub mod output;
 pub mod render;
 pub mod scene;
+pub mod settings;

@@ -2,132 +2,40 @@
 //!
 //! The core divides an iteration into jobs that touch disjoint parts of the film. Each thread takes the next one
 //! until none is left; which thread takes which does not matter, so a frame has the same bits for any number of
-//! threads. Memory: about 48 bytes a pixel for the film, 28 for the result, and a scratch area for each thread.
+//! threads. Memory: 48 bytes a pixel for the film, 24 for the result, and a scratch area for each thread.
 
 use crate::error::Error;
 use crate::frame_io::Picture;
 use crate::scene::LoadedScene;
-use clap::ValueEnum;
-use serde::Serialize;
-use std::fmt::{self, Display, Formatter};
+use crate::settings::Settings;
+use pmcip_core::batch::{Batch8, Rgb8};
+use pmcip_core::camera::Camera;
+use pmcip_core::sampler::{Jobs, Memory, Sampler, Tally, Workspace};
+use pmcip_core::scene::Scene;
+use pmcip_core::shade::path::{Packet, PathTracer, Traffic};
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use serde_json::Value;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
 
-/// Where samples go.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, ValueEnum)]
-#[serde(rename_all = "lowercase")]
-pub enum Method {
-    /// Where the eye would see noise, with this project's defaults.
-    Pmc,
-    /// Everywhere the same.
-    Uniform,
-    /// As Lai et al. 2010 published it: γ = 1, no window, ε = 0.01, pooled; biased dark.
-    Paper,
-}
-
-/// How samples become pixels.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, ValueEnum)]
-#[serde(rename_all = "lowercase")]
-pub enum Estimate {
-    /// Unbiased over neighbourhoods, with little more noise than `pooled`.
-    Balanced,
-    /// The mean of all samples of a pixel; adaptive sampling makes it dark.
-    Pooled,
-    /// The mean of the iterations' images; unbiased where no iteration skips a pixel.
-    Subframe,
-    /// Unbiased in every pixel, noisy where samples are few.
-    Difference,
-}
-
-impl Method {
-    /// Iterations for `spp` samples a pixel: of 2 samples a pixel, at most 16; three in the published method.
-    pub fn default_iterations(self, spp: u32) -> u32 {
-        match self {
-            Method::Paper => spp.min(3),
-            Method::Pmc => spp.div_ceil(2).min(16),
-            // They do not adapt to each other: as few as the core's limit on samples allows, for a bar that moves.
-            Method::Uniform => spp.div_ceil(8),
-        }
-    }
-
-    /// The estimator that suits the method.
-    pub fn default_estimator(self) -> Estimate {
-        if self == Method::Pmc { Estimate::Balanced } else { Estimate::Pooled }
-    }
-
-    /// The power of the kernel's weights.
-    pub fn default_gamma(self) -> f32 {
-        match self {
-            Method::Pmc => 2.0 / 3.0,
-            Method::Uniform => 0.0,
-            Method::Paper => 1.0,
-        }
-    }
-}
-
-/// The name on the command line.
-fn name(value: &impl ValueEnum, f: &mut Formatter<'_>) -> fmt::Result {
-    value.to_possible_value().map_or(Ok(()), |value| f.pad(value.get_name()))
-}
-
-impl Display for Method {
-    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        name(self, f)
-    }
-}
-
-impl Display for Estimate {
-    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        name(self, f)
-    }
-}
-
-/// Everything that a frame's bits depend on, besides the scene.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Settings {
-    /// Samples a pixel on average.
-    pub spp: u32,
-    /// Rounds of sampling; the first is uniform.
-    pub iterations: u32,
-    /// Where samples go.
-    pub sampler: Method,
-    /// How samples become pixels.
-    pub estimator: Estimate,
-    /// Power of the kernel's weights.
-    pub gamma: f32,
-    /// Longest path in segments, counted from the eye.
-    pub max_depth: u32,
-    /// Pixels in a row.
-    pub width: u32,
-    /// Rows.
-    pub height: u32,
-    /// Picks the random points.
-    pub seed: u32,
-    /// The eye.
-    pub look_from: [f32; 3],
-    /// A point in the middle of the image.
-    pub look_at: [f32; 3],
-    /// A direction that points up in the image.
-    pub up: [f32; 3],
-    /// Vertical field of view in degrees.
-    pub fov: f32,
-}
+/// Batches a thread works on at once.
+const BATCHES: usize = 256;
 
 /// A finished frame; planes are rows from the top.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Frame {
     /// Linear radiance.
     pub rgb: Vec<[f32; 3]>,
     /// Variance of the pixel's mean, luminance.
     pub variance: Vec<f32>,
     /// Samples of the pixel.
-    pub count: Vec<f32>,
+    pub count: Vec<u32>,
     /// The kernel of the last iteration; sums to one.
     pub alpha: Vec<f32>,
-    /// Samples drawn.
-    pub samples: u64,
-    /// Samples that were not finite and left out.
-    pub rejected: u64,
+    /// Samples accepted and rejected.
+    pub tally: Tally,
     /// Mean part of a ray packet's lanes that carried a ray, 0 to 1.
-    pub lane_occupancy: Option<f64>,
+    pub lane_occupancy: f64,
     /// Threads that worked.
     pub threads: usize,
     /// Wall time of the render, without loading and writing.
@@ -137,86 +45,172 @@ pub struct Frame {
 impl Frame {
     /// The frame as it goes to disk: the planes `variance`, `count`, `alpha`, and every setting by name.
     pub fn picture(&self, settings: &Settings, scene: &LoadedScene) -> Picture {
-        let planes = [("variance", &self.variance), ("count", &self.count), ("alpha", &self.alpha)];
-        let settings_and_scene =
-            [("scene", scene.name.clone()), ("cd_per_unit", scene.cd_per_unit.to_string())];
-        let attributes = settings_and_scene.map(|(name, value)| (name.to_owned(), value)).into_iter();
+        let count = self.count.iter().map(|n| *n as f32).collect();
+        let planes = [("variance", self.variance.clone()), ("count", count), ("alpha", self.alpha.clone())];
+        let mut settings_by_name = settings.list();
+        settings_by_name.insert("scene".into(), Value::String(scene.name.clone()));
         Picture {
-            width: settings.width,
-            height: settings.height,
+            width: settings.sampler.width,
+            height: settings.sampler.height,
             rgb: self.rgb.clone(),
-            planes: planes.into_iter().map(|(name, plane)| (name.to_owned(), plane.clone())).collect(),
-            attributes: attributes.chain(settings.attributes()).collect(),
+            planes: planes.into_iter().map(|(name, plane)| (name.to_owned(), plane)).collect(),
+            attributes: settings_by_name.into_iter().map(|(name, value)| (name, plain(value))).collect(),
         }
     }
 }
 
-impl Settings {
-    /// Names and values as the command line takes them.
-    fn attributes(&self) -> impl Iterator<Item = (String, String)> {
-        // Through text, where a float has its own few digits; plain data with string keys never fails to convert.
-        let text = serde_json::to_string(self).unwrap_or_default();
-        let fields: serde_json::Map<String, serde_json::Value> =
-            serde_json::from_str(&text).unwrap_or_default();
-        fields.into_iter().map(|(name, value)| (name, value.to_string().replace(['"', '[', ']'], "")))
+/// A setting as the command line takes it: no quotes, no brackets.
+fn plain(value: Value) -> String {
+    match value {
+        Value::String(text) => text,
+        Value::Array(parts) => parts.into_iter().map(plain).collect::<Vec<_>>().join(","),
+        other => other.to_string(),
     }
 }
 
-/// stand-in
+/// Renders a frame on `threads` threads, on all there are if that is `None`.
+///
+/// `progress` is called from any of them with the number of samples just drawn.
+///
+/// # Errors
+/// [`Error::Setting`] if the core refuses the scene, the camera or a setting, [`Error::Work`] if threads or
+/// memory are lacking.
 pub fn render(
     scene: &LoadedScene,
     settings: &Settings,
     threads: Option<usize>,
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<Frame, Error> {
-    use pmcip_core::{batch::*, camera::Camera, scene::Scene, shade::path::*, sobol};
-    use wide::*;
-    let s = settings;
-    let checked = Scene::new(scene.data()).map_err(|e| Error::Setting(e.to_string()))?;
-    let camera = Camera::new(s.look_from, s.look_at, s.up, s.fov, s.width, s.height)
-        .map_err(|e| Error::Setting(e.to_string()))?;
-    let mut packets = vec![Packet::default(); PathTracer::required(512)];
-    let mut tracer = PathTracer::new(checked, camera, s.max_depth, &mut packets);
-    let start = std::time::Instant::now();
-    let n = (s.width * s.height) as usize;
-    let mut rgb = vec![[0.0; 3]; n];
-    let mut variance = vec![0.0; n];
-    for y in 0..s.height {
-        for x in 0..s.width {
-            let mut m = pmcip_core::film::Moments::default();
-            for g in 0..s.spp.div_ceil(8) {
-                let index = u32x8::splat(8 * g) + u32x8::new([0, 1, 2, 3, 4, 5, 6, 7]);
-                let key = u32x8::splat(sobol::pixel_key(s.seed, 0, x, y));
-                let (u, v) = sobol::point(index, key, 0);
-                let b = Batch8 {
-                    lanes: 8,
-                    x: u + f32x8::splat(x as f32),
-                    y: v + f32x8::splat(y as f32),
-                    index,
-                    key,
-                };
-                let mut out = [Rgb8::default()];
-                tracer.stream(&[b], &mut out);
-                let (r, g, b) = (out[0].r.to_array(), out[0].g.to_array(), out[0].b.to_array());
-                for i in 0..8 {
-                    m.add([r[i], g[i], b[i]]);
-                }
+    let start = Instant::now();
+    let crew = Crew::new(scene, settings, threads)?;
+    let (width, height) = (settings.sampler.width, settings.sampler.height);
+    let required = Sampler::required(width, height);
+    let (mut floats, mut words) = (zeros(required.floats)?, zeros(required.words)?);
+    let memory = Memory { floats: &mut floats, words: &mut words };
+    let mut sampler = Sampler::new(settings.sampler, memory).map_err(setting)?;
+    let mut tally = Tally::default();
+    for samples in settings.schedule() {
+        sampler.begin(samples).map_err(setting)?;
+        crew.work(sampler.jobs(), progress);
+        tally = sampler.end().map_err(|error| Error::Work(error.to_string()))?;
+    }
+    let mut frame = read_out(&sampler, settings)?;
+    (frame.tally, frame.lane_occupancy) = (tally, crew.lane_occupancy());
+    (frame.threads, frame.seconds) = (crew.workers.len(), start.elapsed().as_secs_f64());
+    Ok(frame)
+}
+
+/// Fetches the film's planes.
+fn read_out(sampler: &Sampler<'_>, settings: &Settings) -> Result<Frame, Error> {
+    let (width, height) = (settings.sampler.width, settings.sampler.height);
+    let pixels = width as usize * height as usize;
+    let mut frame = Frame {
+        rgb: zeros(pixels)?,
+        variance: zeros(pixels)?,
+        count: zeros(pixels)?,
+        alpha: zeros(pixels)?,
+        tally: Tally::default(),
+        lane_occupancy: 0.0,
+        threads: 0,
+        seconds: 0.0,
+    };
+    let mut scratch = zeros(Sampler::resolve_scratch(width, height))?;
+    let estimator = settings.sampler.estimator;
+    sampler.resolve(estimator, &mut scratch, frame.rgb.as_flattened_mut()).map_err(setting)?;
+    sampler.variance(&mut frame.variance).map_err(setting)?;
+    sampler.count(&mut frame.count).map_err(setting)?;
+    sampler.alpha(&mut frame.alpha).map_err(setting)?;
+    Ok(frame)
+}
+
+fn setting(error: impl std::error::Error) -> Error {
+    Error::Setting(error.to_string())
+}
+
+/// Memory, or an error instead of an abort: a film can be larger than the machine.
+fn zeros<T: Clone + Default>(length: usize) -> Result<Vec<T>, Error> {
+    let mut memory = Vec::new();
+    memory.try_reserve_exact(length).map_err(|_| Error::Work("not enough memory for the film".into()))?;
+    memory.resize(length, T::default());
+    Ok(memory)
+}
+
+/// Threads, each with what it needs to trace paths.
+struct Crew<'a> {
+    scene: Scene<'a>,
+    camera: Camera,
+    max_depth: u32,
+    pool: ThreadPool,
+    workers: Vec<Mutex<Worker>>,
+}
+
+/// What belongs to one thread; the lock is never contended.
+struct Worker {
+    packets: Vec<Packet>,
+    batches: Vec<Batch8>,
+    radiance: Vec<Rgb8>,
+    traffic: Traffic,
+}
+
+impl<'a> Crew<'a> {
+    fn new(scene: &'a LoadedScene, settings: &Settings, threads: Option<usize>) -> Result<Self, Error> {
+        let view = &settings.view;
+        let (width, height) = (settings.sampler.width, settings.sampler.height);
+        let camera = Camera::new(view.from, view.at, view.up, view.fov, width, height).map_err(setting)?;
+        let pool = ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build();
+        let pool = pool.map_err(|error| Error::Work(format!("cannot start threads: {error}")))?;
+        let workers = (0..pool.current_num_threads()).map(|_| Mutex::new(Worker::new())).collect();
+        let scene = Scene::new(scene.data()).map_err(setting)?;
+        Ok(Crew { scene, camera, max_depth: settings.max_depth, pool, workers })
+    }
+
+    /// Renders all jobs of an iteration.
+    fn work(&self, jobs: Jobs<'_>, progress: &(dyn Fn(u64) + Sync)) {
+        let jobs = Mutex::new(jobs);
+        self.pool.broadcast(|thread| {
+            let worker = &mut *lock(&self.workers[thread.index()]);
+            let mut tracer = PathTracer::new(self.scene, self.camera, self.max_depth, &mut worker.packets);
+            let Ok(mut work) = Workspace::new(&mut worker.batches, &mut worker.radiance) else { return };
+            loop {
+                // A statement of its own, so that the lock is released before the work begins.
+                let next = lock(&jobs).next();
+                let Some(mut job) = next else { break };
+                job.render(&mut tracer, &mut work);
+                progress(job.samples());
             }
-            let i = (y * s.width + x) as usize;
-            rgb[i] = m.mean;
-            variance[i] = m.m2 / (m.count as f32 - 1.0) / m.count as f32;
-            progress(s.spp as u64);
+            worker.traffic = sum(worker.traffic, tracer.traffic());
+        });
+    }
+
+    /// Rays traced over lanes of the packets traced.
+    fn lane_occupancy(&self) -> f64 {
+        let traffic = self.workers.iter().map(|worker| lock(worker).traffic).fold(Traffic::default(), sum);
+        let lanes = 8 * (traffic.packets + traffic.shadow_packets);
+        (traffic.rays + traffic.shadow_rays) as f64 / lanes.max(1) as f64
+    }
+}
+
+impl Worker {
+    fn new() -> Worker {
+        Worker {
+            packets: vec![Packet::default(); PathTracer::required(8 * BATCHES)],
+            batches: vec![Batch8::default(); BATCHES],
+            radiance: vec![Rgb8::default(); BATCHES],
+            traffic: Traffic::default(),
         }
     }
-    Ok(Frame {
-        rgb,
-        variance,
-        count: vec![s.spp as f32; n],
-        alpha: vec![1.0 / n as f32; n],
-        samples: (n as u64) * s.spp as u64,
-        rejected: 0,
-        lane_occupancy: None,
-        threads: threads.unwrap_or(1),
-        seconds: start.elapsed().as_secs_f64(),
-    })
+}
+
+/// A lock whose data no panic can leave half done.
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn sum(a: Traffic, b: Traffic) -> Traffic {
+    Traffic {
+        packets: a.packets + b.packets,
+        rays: a.rays + b.rays,
+        shadow_packets: a.shadow_packets + b.shadow_packets,
+        shadow_rays: a.shadow_rays + b.shadow_rays,
+    }
 }

@@ -1,9 +1,10 @@
 //! What the commands print: the same facts as words and as JSON.
 
 use pmcip::metrics::{Metrics, luminance};
-use pmcip::render::{Frame, Settings};
+use pmcip::render::Frame;
 use pmcip::scene::LoadedScene;
-use serde::Serialize;
+use pmcip::settings::{Settings, word};
+use serde::{Serialize, Serializer};
 use std::fmt::{self, Display, Formatter};
 use std::path::PathBuf;
 
@@ -11,6 +12,7 @@ use std::path::PathBuf;
 #[derive(Debug, Serialize)]
 pub struct Rendered<'a> {
     scene: &'a str,
+    #[serde(serialize_with = "list")]
     settings: &'a Settings,
     threads: usize,
     seconds: f64,
@@ -18,7 +20,7 @@ pub struct Rendered<'a> {
     samples_per_second: f64,
     rejected: u64,
     estimated_relative_error: f64,
-    lane_occupancy: Option<f64>,
+    lane_occupancy: f64,
     files: &'a [PathBuf],
     warnings: &'a [String],
 }
@@ -31,15 +33,20 @@ impl<'a> Rendered<'a> {
             settings,
             threads: frame.threads,
             seconds: frame.seconds,
-            samples: frame.samples,
-            samples_per_second: frame.samples as f64 / frame.seconds,
-            rejected: frame.rejected,
+            samples: frame.tally.samples,
+            samples_per_second: frame.tally.samples as f64 / frame.seconds,
+            rejected: frame.tally.rejected,
             estimated_relative_error: relative_error(frame),
             lane_occupancy: frame.lane_occupancy,
             files,
             warnings: &scene.warnings,
         }
     }
+}
+
+/// The settings as an object of names and values.
+fn list<S: Serializer>(settings: &&Settings, serializer: S) -> Result<S::Ok, S::Error> {
+    settings.list().serialize(serializer)
 }
 
 /// Root mean square over pixels of the standard error over the luminance, as relMSE weighs dark pixels.
@@ -53,15 +60,18 @@ fn relative_error(frame: &Frame) -> f64 {
 
 impl Display for Rendered<'_> {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let Settings { width, height, spp, iterations, sampler, estimator, .. } = self.settings;
+        let Settings { spp, iterations, method, sampler, .. } = self.settings;
+        let (width, height, estimator) = (sampler.width, sampler.height, word(sampler.estimator));
         writeln!(
             f,
             "{}: {width}×{height} pixels, {spp} samples per pixel in {iterations} iterations",
             self.scene
         )?;
-        writeln!(f, "sampler {sampler}, estimator {estimator}, seed {}", self.settings.seed)?;
+        writeln!(f, "sampler {method}, estimator {estimator}, seed {}", sampler.seed)?;
         let rate = self.samples_per_second / 1e6;
-        writeln!(f, "{:.2} s on {} threads, {rate:.2} million samples/s", self.seconds, self.threads)?;
+        let (seconds, occupancy) = (self.seconds, 100.0 * self.lane_occupancy);
+        write!(f, "{seconds:.2} s on {} threads, {rate:.2} million samples/s, ", self.threads)?;
+        writeln!(f, "{occupancy:.0} % of the lanes in use")?;
         let error = 100.0 * self.estimated_relative_error;
         writeln!(f, "estimated relative error {error:.2} % (RMS), {} samples rejected", self.rejected)?;
         let files: Vec<_> = self.files.iter().map(|file| file.display().to_string()).collect();

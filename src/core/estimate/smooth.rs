@@ -105,3 +105,66 @@ fn fold(i: i64, n: usize) -> usize {
     let j = i.rem_euclid(2 * n as i64) as usize;
     if j < n { j } else { 2 * n - 1 - j }
 }
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use super::*;
+    use crate::sobol::hash;
+    use std::vec;
+    use std::vec::Vec;
+
+    /// The definition, one colour: three boxes along rows, then three across, every index folded.
+    fn scalar(picture: &[f64], width: usize, height: usize, radius: u32) -> Vec<f64> {
+        let pass = |from: &[f64], (dx, dy): (i64, i64)| -> Vec<f64> {
+            let at = |x: i64, y: i64| from[fold(y, height) * width + fold(x, width)];
+            let mean = |x: i64, y: i64| {
+                let r = i64::from(radius);
+                (-r..=r).map(|i| at(x + i * dx, y + i * dy)).sum::<f64>() / (2 * r + 1) as f64
+            };
+            (0..width * height).map(|i| mean((i % width) as i64, (i / width) as i64)).collect()
+        };
+        let steps = [(1, 0), (1, 0), (1, 0), (0, 1), (0, 1), (0, 1)];
+        steps.iter().fold(picture.to_vec(), |picture, step| pass(&picture, *step))
+    }
+
+    fn picture(width: usize, height: usize) -> Vec<f32> {
+        (0..3 * width * height).map(|i| (hash(i as u32) >> 20) as f32 - 2000.0).collect()
+    }
+
+    fn smoothed(mut rgb: Vec<f32>, width: usize, height: usize, radius: u32) -> Vec<f32> {
+        smooth(&mut rgb, width, height, radius, &mut vec![[9.0; LANES]; 2 * width.max(height)]);
+        rgb
+    }
+
+    #[test]
+    fn equals_the_definition_and_keeps_the_energy() {
+        for (width, height) in [(1, 1), (1, 9), (13, 1), (7, 11), (40, 23)] {
+            for radius in [0, 1, 3, 12, 50] {
+                let before = picture(width, height);
+                let after = smoothed(before.clone(), width, height, radius);
+                for c in 0..3 {
+                    let colour =
+                        |rgb: &[f32]| -> Vec<f64> { rgb.chunks(3).map(|rgb| f64::from(rgb[c])).collect() };
+                    let (before, after) = (colour(&before), colour(&after));
+                    let want = scalar(&before, width, height, radius);
+                    assert!(
+                        want.iter().zip(&after).all(|(a, b)| (a - b).abs() < 1e-2),
+                        "{width}×{height}, {radius}"
+                    );
+                    let (a, b) = (before.iter().sum::<f64>(), after.iter().sum::<f64>());
+                    assert!((a - b).abs() < 1e-3 * before.len() as f64);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_firefly_leaves_no_trace_beyond_the_window() {
+        let mut rgb = vec![0.0; 3 * 200];
+        rgb[3 * 20] = 1e9;
+        let after = smoothed(rgb, 200, 1, 4);
+        assert!(after[3 * 20] > 5e7 && after[3 * 33..].iter().all(|v| v.abs() < 1e-6));
+    }
+}

@@ -1,0 +1,92 @@
+//! The sampler's own cost, without an integrand: a pixel to begin and to resolve, a sample to hand out and accept.
+
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use pmcip_core::allocate::{Mixture, allocate};
+use pmcip_core::batch::{Batch8, Integrand, Rgb8};
+use pmcip_core::estimate::Estimator;
+use pmcip_core::sampler::{Memory, Sampler, Settings, Workspace};
+use pmcip_core::{sobol, tvi};
+use std::hint::black_box;
+use std::time::{Duration, Instant};
+use wide::{f32x8, u32x8};
+
+const WIDTH: u32 = 1920;
+const HEIGHT: u32 = 1080;
+const PIXELS: u64 = WIDTH as u64 * HEIGHT as u64;
+
+/// Noise everywhere, so that no shortcut is taken.
+struct Noise;
+
+impl Integrand for Noise {
+    fn radiance(&mut self, batch: &Batch8) -> Rgb8 {
+        let value = batch.x - batch.x.floor();
+        Rgb8 { r: value, g: value, b: value }
+    }
+}
+
+/// Runs one iteration and returns how long its beginning took and how long its jobs.
+fn iterate(sampler: &mut Sampler<'_>) -> (Duration, Duration) {
+    let (mut batches, mut radiance) = ([Batch8::default(); 128], [Rgb8::default(); 128]);
+    let mut work = Workspace::new(&mut batches, &mut radiance).expect("not empty");
+    let start = Instant::now();
+    sampler.begin(PIXELS).expect("no iteration is running");
+    let begun = Instant::now();
+    for mut job in sampler.jobs() {
+        job.render(&mut Noise, &mut work);
+    }
+    let rendered = Instant::now();
+    sampler.end().expect("all jobs were rendered");
+    (begun - start, rendered - begun)
+}
+
+fn frame(c: &mut Criterion) {
+    let mut group = c.benchmark_group("sampler");
+    group.throughput(Throughput::Elements(PIXELS)).sample_size(10);
+    let required = Sampler::required(WIDTH, HEIGHT);
+    let (mut floats, mut words) = (vec![0.0; required.floats], vec![0; required.words]);
+    for (name, estimator) in [("pooled", Estimator::Pooled), ("balanced", Estimator::Balanced)] {
+        let settings = Settings { estimator, ..Settings::new(WIDTH, HEIGHT) };
+        let memory = Memory { floats: &mut floats, words: &mut words };
+        let mut sampler = Sampler::new(settings, memory).expect("valid settings");
+        iterate(&mut sampler);
+        group.bench_function(format!("begin-{name}/1920x1080"), |b| {
+            b.iter_custom(|n| (0..n).map(|_| iterate(&mut sampler).0).sum());
+        });
+        group.bench_function(format!("samples-{name}/1920x1080"), |b| {
+            b.iter_custom(|n| (0..n).map(|_| iterate(&mut sampler).1).sum());
+        });
+        let mut scratch = vec![[0.0; 16]; Sampler::resolve_scratch(WIDTH, HEIGHT)];
+        let mut rgb = vec![0.0; 3 * PIXELS as usize];
+        group.bench_function(format!("resolve-{name}/1920x1080"), |b| {
+            b.iter(|| sampler.resolve(estimator, &mut scratch, &mut rgb));
+        });
+    }
+}
+
+fn counts(c: &mut Criterion) {
+    let mut group = c.benchmark_group("allocate");
+    group.throughput(Throughput::Elements(PIXELS)).sample_size(10);
+    let (mut target, mut planned) = (vec![1.0; PIXELS as usize], vec![0; PIXELS as usize]);
+    let mix = Mixture { samples: 2 * PIXELS, floor: 0.25, epsilon: 0.01 };
+    group.bench_function("adaptive/1920x1080", |b| {
+        b.iter(|| allocate(&mut target, &mut planned, black_box(mix), 1));
+    });
+    let mix = Mixture { epsilon: 1.0, ..mix };
+    group.bench_function("uniform/1920x1080", |b| {
+        b.iter(|| allocate(&mut target, &mut planned, black_box(mix), 1));
+    });
+}
+
+fn packets(c: &mut Criterion) {
+    c.benchmark_group("sobol").throughput(Throughput::Elements(8)).bench_function("point/8", |b| {
+        let key = u32x8::from([1, 2, 3, 4, 5, 6, 7, 8]);
+        b.iter(|| sobol::point(black_box(key), black_box(key), 1));
+    });
+    c.benchmark_group("tvi").throughput(Throughput::Elements(8)).bench_function("threshold/8", |b| {
+        let luminance = f32x8::from([1e-6, 1e-3, 0.1, 1.0, 3.0, 10.0, 50.0, 1e4]);
+        b.iter(|| tvi::tvi(black_box(luminance)));
+    });
+}
+
+criterion_group!(benches, frame, counts, packets);
+criterion_main!(benches);

@@ -1,0 +1,102 @@
+//! Any radiances, in any settings: the loop never fails, counts are exact, weights and pictures finite.
+
+#![no_main]
+
+use arbitrary::Arbitrary;
+use libfuzzer_sys::fuzz_target;
+use pmcip_core::batch::{Batch8, Integrand, Rgb8};
+use pmcip_core::estimate::Estimator;
+use pmcip_core::kernel::{Kernel, Window};
+use pmcip_core::sampler::{Memory, Sampler, Sequence, Settings, Spread, Workspace};
+use wide::f32x8;
+
+#[derive(Arbitrary, Debug)]
+struct Input {
+    width: u8,
+    height: u8,
+    spp: [u8; 4],
+    gamma: f32,
+    epsilon: f32,
+    floor: f32,
+    cd_per_unit: f32,
+    pixel: bool,
+    iterations: bool,
+    fresh: bool,
+    estimator: u8,
+    radius: u16,
+    radiance: Vec<u32>,
+}
+
+/// Radiances in turn from a list of any bits.
+struct Any {
+    bits: Vec<u32>,
+    next: usize,
+}
+
+impl Any {
+    fn eight(&mut self) -> f32x8 {
+        f32x8::from(std::array::from_fn(|_| {
+            self.next += 1;
+            self.bits.get(self.next % self.bits.len().max(1)).map_or(1.0, |bits| f32::from_bits(*bits))
+        }))
+    }
+}
+
+impl Integrand for Any {
+    fn radiance(&mut self, _: &Batch8) -> Rgb8 {
+        Rgb8 { r: self.eight(), g: self.eight(), b: self.eight() }
+    }
+}
+
+fn settings(input: &Input) -> Settings {
+    let estimators =
+        [Estimator::Pooled, Estimator::Subframe, Estimator::Difference, Estimator::Balanced];
+    Settings {
+        gamma: input.gamma,
+        epsilon: input.epsilon,
+        floor: input.floor,
+        cd_per_unit: input.cd_per_unit,
+        window: if input.pixel { Window::Pixel } else { Window::Square3 },
+        spread: if input.iterations { Spread::Iterations } else { Spread::Samples },
+        sequence: if input.fresh { Sequence::Fresh } else { Sequence::Continued },
+        estimator: estimators[usize::from(input.estimator % 4)],
+        balance_radius: u32::from(input.radius % 100),
+        ..Settings::new(u32::from(input.width % 40), u32::from(input.height % 40))
+    }
+}
+
+fuzz_target!(|input: Input| {
+    let settings = settings(&input);
+    let required = Sampler::required(settings.width, settings.height);
+    let (mut floats, mut words) = (vec![0.0; required.floats], vec![0; required.words]);
+    let Ok(mut sampler) = Sampler::new(settings, Memory { floats: &mut floats, words: &mut words }) else {
+        return;
+    };
+    let pixels = settings.width as usize * settings.height as usize;
+    let (mut batches, mut radiance) = ([Batch8::default(); 9], [Rgb8::default(); 9]);
+    let mut work = Workspace::new(&mut batches, &mut radiance).expect("not empty");
+    let mut integrand = Any { bits: input.radiance.clone(), next: 0 };
+    let mut total = 0;
+    for spp in input.spp {
+        let samples = u64::from(spp % 5) * pixels as u64 + 1;
+        sampler.begin(samples).expect("valid samples");
+        for mut job in sampler.jobs() {
+            job.render(&mut integrand, &mut work);
+        }
+        let tally = sampler.end().expect("every job was rendered");
+        total += samples;
+        assert_eq!(tally.samples + tally.rejected, total);
+        let mut alpha = vec![0.0; pixels];
+        sampler.alpha(&mut alpha).expect("right length");
+        assert!(alpha.iter().all(|a| a.is_finite() && *a >= 0.0));
+    }
+    let mut rgb = vec![0.0; 3 * pixels];
+    let mut scratch = vec![[0.0; 16]; Sampler::resolve_scratch(settings.width, settings.height)];
+    sampler.resolve(settings.estimator, &mut scratch, &mut rgb).expect("right lengths");
+    assert!(rgb.iter().all(|v| v.is_finite()));
+
+    let kernel =
+        Kernel { gamma: settings.gamma, window: settings.window, cd_per_unit: settings.cd_per_unit };
+    let weight = kernel.weight(integrand.eight(), integrand.eight());
+    assert!(weight.to_array().iter().all(|w| w.is_finite() && *w >= 0.0));
+});

@@ -1,0 +1,179 @@
+//! Everything that a frame's bits depend on, besides the scene's file.
+
+use crate::scene::{LoadedScene, View};
+use clap::ValueEnum;
+use pmcip_core::estimate::Estimator;
+use pmcip_core::sampler::{self, Schedule};
+use serde_json::{Map, Value, json};
+use std::fmt::{self, Display, Formatter};
+
+/// Samples a pixel where nobody says.
+pub const DEFAULT_SPP: u32 = 64;
+/// Path depth where nobody says.
+pub const DEFAULT_DEPTH: u32 = 8;
+/// Deepest paths.
+pub const MAX_DEPTH: u32 = 1024;
+
+/// Where samples go.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Method {
+    /// Where the eye would see noise, with this project's defaults
+    Pmc,
+    /// Everywhere the same
+    Uniform,
+    /// As Lai et al. 2010 published it: weights of power 1, no window; loses energy
+    Paper,
+}
+
+/// How samples become pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Estimate {
+    /// Unbiased over neighbourhoods, with little more noise than pooled
+    Balanced,
+    /// The mean of all samples of a pixel; adaptive sampling makes it too dark
+    Pooled,
+    /// The mean of the iterations' images; a sample of every pixel in every iteration makes it unbiased
+    Subframe,
+    /// Unbiased in every pixel, noisy where samples are few
+    Difference,
+}
+
+impl From<Estimate> for Estimator {
+    fn from(estimate: Estimate) -> Estimator {
+        match estimate {
+            Estimate::Balanced => Estimator::Balanced,
+            Estimate::Pooled => Estimator::Pooled,
+            Estimate::Subframe => Estimator::Subframe,
+            Estimate::Difference => Estimator::Difference,
+        }
+    }
+}
+
+impl Method {
+    /// Iterations for `spp` samples a pixel: of two samples a pixel, at most sixteen; three as published.
+    pub fn default_iterations(self, spp: u32) -> u32 {
+        match self {
+            Method::Pmc => spp.div_ceil(2).min(16),
+            // They learn nothing from each other: small enough for the core's limit and for a bar that moves.
+            Method::Uniform => spp.div_ceil(8),
+            Method::Paper => spp.min(3),
+        }
+    }
+
+    /// The core's settings for a film of this size.
+    fn sampler(self, width: u32, height: u32) -> sampler::Settings {
+        match self {
+            Method::Pmc => sampler::Settings::new(width, height),
+            Method::Uniform => sampler::Settings::uniform(width, height),
+            Method::Paper => sampler::Settings::paper(width, height),
+        }
+    }
+}
+
+impl Display for Method {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Method::Pmc => "pmc",
+            Method::Uniform => "uniform",
+            Method::Paper => "paper",
+        })
+    }
+}
+
+/// The settings of a render.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// Samples a pixel on average.
+    pub spp: u32,
+    /// Rounds of sampling; the first is uniform.
+    pub iterations: u32,
+    /// Where samples go.
+    pub method: Method,
+    /// The core's settings, size and seed among them.
+    pub sampler: sampler::Settings,
+    /// Longest path in segments, counted from the eye.
+    pub max_depth: u32,
+    /// The camera.
+    pub view: View,
+}
+
+impl Settings {
+    /// What the scene asks for, with the method's defaults for the rest; `size` instead of the scene's own.
+    pub fn new(scene: &LoadedScene, method: Method, spp: Option<u32>, size: Option<(u32, u32)>) -> Settings {
+        let spp = spp.or(scene.spp).unwrap_or(DEFAULT_SPP);
+        let (width, height) = size.unwrap_or((scene.width, scene.height));
+        Settings {
+            spp,
+            iterations: method.default_iterations(spp),
+            method,
+            sampler: sampler::Settings { cd_per_unit: scene.cd_per_unit, ..method.sampler(width, height) },
+            max_depth: scene.max_depth.unwrap_or(DEFAULT_DEPTH),
+            view: scene.view,
+        }
+    }
+
+    /// Picks an estimator, and the floor of samples that its freedom from bias needs.
+    pub fn set_estimator(&mut self, estimator: Estimator) {
+        self.sampler.estimator = estimator;
+        if estimator == Estimator::Subframe {
+            self.sampler.floor = self.sampler.floor.max(1.0);
+        }
+    }
+
+    /// Samples a pixel of the first iteration: an equal part, a quarter as published.
+    fn pilot(&self) -> u32 {
+        let parts = if self.method == Method::Paper { 4 } else { self.iterations };
+        (self.spp / parts.max(1)).max(1)
+    }
+
+    /// Samples of each iteration.
+    pub fn schedule(&self) -> Schedule {
+        Schedule::new(self.pixels(), self.spp, self.pilot(), self.iterations)
+    }
+
+    /// Pixels of the film.
+    pub fn pixels(&self) -> u64 {
+        u64::from(self.sampler.width) * u64::from(self.sampler.height)
+    }
+
+    /// Every setting by name, for reports and for the EXR file.
+    pub fn list(&self) -> Map<String, Value> {
+        let (core, view) = (&self.sampler, &self.view);
+        let list = json!({
+            "spp": self.spp,
+            "iterations": self.iterations,
+            "pilot_spp": self.pilot(),
+            "sampler": self.method.to_string(),
+            "estimator": word(core.estimator),
+            "gamma": short(core.gamma),
+            "epsilon": short(core.epsilon),
+            "floor": short(core.floor),
+            "window": word(core.window),
+            "sequence": word(core.sequence),
+            "spread": word(core.spread),
+            "balance_radius": core.balance_radius,
+            "cd_per_unit": short(core.cd_per_unit),
+            "integrator": "path",
+            "max_depth": self.max_depth,
+            "width": core.width,
+            "height": core.height,
+            "seed": core.seed,
+            "frame": core.frame,
+            "look_from": view.from.map(short),
+            "look_at": view.at.map(short),
+            "up": view.up.map(short),
+            "fov": short(view.fov),
+        });
+        if let Value::Object(list) = list { list } else { Map::new() }
+    }
+}
+
+/// The name of an option of the core, as the command line writes it.
+pub fn word(option: impl fmt::Debug) -> String {
+    format!("{option:?}").to_lowercase()
+}
+
+/// The number whose few digits are those of `x`: widening 0.1 would print 0.10000000149.
+fn short(x: f32) -> f64 {
+    x.to_string().parse().unwrap_or(f64::from(x))
+}

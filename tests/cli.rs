@@ -1,0 +1,222 @@
+//! The program from outside: files, numbers, exit codes, and one line for everything that can be wrong.
+
+use pmcip::frame_io::{Picture, read_exr, write_exr};
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+use tempfile::TempDir;
+
+/// A room of one lit wall, in a folder of its own.
+fn room() -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let obj = "mtllib room.mtl\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nv -1 1 2\nv 1 1 2\n\
+               usemtl wall\nf 1 2 3 4\nusemtl lamp\nf 4 3 6 5\n";
+    fs::write(folder.path().join("room.obj"), obj).unwrap();
+    fs::write(folder.path().join("room.mtl"), "newmtl wall\nKd 0.5 0.5 0.5\nnewmtl lamp\nKe 3 2 1\n")
+        .unwrap();
+    folder
+}
+
+/// Runs the program in `folder`, with arguments divided by spaces.
+fn pmcip(folder: &Path, arguments: &str) -> Output {
+    let mut program = Command::new(env!("CARGO_BIN_EXE_pmcip"));
+    program.current_dir(folder).args(arguments.split_whitespace()).output().unwrap()
+}
+
+/// What a successful run printed.
+#[track_caller]
+fn success(folder: &Path, arguments: &str) -> String {
+    let Output { status, stdout, stderr } = pmcip(folder, arguments);
+    assert!(status.success(), "{arguments}: {}", String::from_utf8_lossy(&stderr));
+    String::from_utf8(stdout).unwrap()
+}
+
+/// Checks the exit code and that one line on stderr says `words`.
+#[track_caller]
+fn failure(folder: &Path, arguments: &str, code: i32, words: &str) {
+    let Output { status, stdout, stderr } = pmcip(folder, arguments);
+    let stderr = String::from_utf8(stderr).unwrap();
+    assert_eq!(status.code(), Some(code), "{arguments}: {stderr}");
+    assert!(stderr.starts_with("error: ") && stderr.trim_end().lines().count() == 1, "{arguments}: {stderr}");
+    assert!(stderr.contains(words), "{arguments}: `{words}` is not in {stderr}");
+    assert!(stdout.is_empty());
+}
+
+fn names(folder: &Path) -> Vec<String> {
+    let files = fs::read_dir(folder).unwrap().map(|file| file.unwrap().file_name().into_string().unwrap());
+    let mut names: Vec<String> = files.collect();
+    names.sort();
+    names
+}
+
+const VIEW: &str = "--size 24x16 --look-from 0,0,5 --look-at 0,0,0";
+const SMALL: &str = "--spp 4 --size 24x16 --look-from 0,0,5 --look-at 0,0,0";
+
+#[test]
+fn render_writes_both_files_and_says_so() {
+    let room = room();
+    let said = success(room.path(), &format!("render room.obj {SMALL}"));
+    assert!((3..=6).contains(&said.lines().count()), "{said}");
+    assert!(said.contains("24×16 pixels") && said.contains("wrote room.exr and room.png"), "{said}");
+    assert_eq!(names(room.path()), ["room.exr", "room.mtl", "room.obj", "room.png"]);
+    let picture = read_exr(&room.path().join("room.exr")).unwrap();
+    assert_eq!((picture.width, picture.height), (24, 16));
+    assert_eq!(picture.planes["count"].iter().sum::<f32>(), 24.0 * 16.0 * 4.0);
+    assert!((picture.planes["alpha"].iter().sum::<f32>() - 1.0).abs() < 1e-4);
+    assert!(picture.rgb.iter().any(|rgb| rgb[0] > 0.1));
+    assert_eq!(picture.attributes["seed"], "0");
+    assert_eq!(picture.attributes["look_from"], "0.0,0.0,5.0");
+    assert_eq!(image::open(room.path().join("room.png")).unwrap().width(), 24);
+}
+
+#[test]
+fn the_same_seed_makes_the_same_file_on_any_number_of_threads() {
+    let room = room();
+    let render = |name: &str, more: &str| {
+        success(room.path(), &format!("render room.obj {SMALL} --quiet -o {name}.exr {more}"));
+        fs::read(room.path().join(name).with_extension("exr")).unwrap()
+    };
+    let one = render("one", "--threads 1");
+    assert_eq!(one, render("two", "--threads 2"));
+    assert_eq!(one, render("seven", "--threads 7"));
+    assert_ne!(one, render("other", "--seed 1"));
+}
+
+#[test]
+fn json_and_quiet_say_what_they_should() {
+    let room = room();
+    let text = success(room.path(), &format!("render room.obj {SMALL} --json --sampler paper --max-depth 3"));
+    let report: Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(report["samples"], 24 * 16 * 4);
+    assert_eq!(report["rejected"], 0);
+    assert_eq!(report["settings"]["estimator"], "pooled");
+    assert_eq!(report["settings"]["max_depth"], 3);
+    assert_eq!(report["files"][1], "room.png");
+    assert!(report["samples_per_second"].as_f64().unwrap() > 0.0);
+    assert_eq!(success(room.path(), &format!("render room.obj {SMALL} --quiet")), "");
+}
+
+#[test]
+fn every_sampler_and_estimator_renders() {
+    let room = room();
+    for sampler in ["pmc", "uniform", "paper"] {
+        for estimator in ["balanced", "pooled", "subframe", "difference"] {
+            let options =
+                format!("--sampler {sampler} --estimator {estimator} --integrator path --exposure -1");
+            success(room.path(), &format!("render room.obj {SMALL} {options}"));
+        }
+    }
+}
+
+#[test]
+fn reference_and_error_go_together() {
+    let room = room();
+    success(room.path(), &format!("reference room.obj {VIEW} --spp 64 -o sub.exr"));
+    assert_eq!(names(room.path()), ["room.mtl", "room.obj", "sub.exr"]);
+    success(room.path(), &format!("render room.obj {SMALL}"));
+    let report: Value = serde_json::from_str(&success(room.path(), "error room.exr sub.exr --json")).unwrap();
+    for measure in ["err", "err_lowpass", "mse", "mse_trimmed", "rel_mse", "rel_mse_trimmed", "oracle_ratio"]
+    {
+        assert!(report[measure].as_f64().unwrap() > 0.0, "{measure}");
+    }
+    let (bias, stderr) =
+        (report["energy_bias"].as_f64().unwrap(), report["energy_bias_stderr"].as_f64().unwrap());
+    assert!(bias.abs() < 6.0 * stderr, "{bias} ± {stderr}");
+    let words = success(room.path(), "error sub.exr sub.exr");
+    assert!(words.contains("energy bias   +0.0000 %"), "{words}");
+}
+
+#[test]
+fn info_says_what_is_in_a_scene() {
+    let room = room();
+    assert!(success(room.path(), "info room.obj").contains("4 triangles, 2 of them shine"));
+    let report: Value = serde_json::from_str(&success(room.path(), "info room.obj --json")).unwrap();
+    assert_eq!(report["triangles"], 4);
+}
+
+#[test]
+fn wrong_words_on_the_command_line_get_one_line() {
+    let room = room();
+    let path = room.path();
+    for (arguments, words) in [
+        ("render", "<SCENE>"),
+        ("paint room.obj", "paint"),
+        ("render room.obj --samples 3", "--samples"),
+        ("render room.obj --spp 0", "'0' for '--spp <N>'"),
+        ("render room.obj --spp many", "'many' for '--spp <N>'"),
+        ("render room.obj --size 0x16", "--size <WxH>"),
+        ("render room.obj --size 16", "such as 640x480"),
+        ("render room.obj --size 99999x16", "--size <WxH>"),
+        ("render room.obj --sampler best", "pmc, uniform, paper"),
+        ("render room.obj --integrator direct", "--integrator"),
+        ("render room.obj --estimator best", "balanced, pooled, subframe, difference"),
+        ("render room.obj --gamma -1", "0 to 4"),
+        ("render room.obj --gamma NaN", "0 to 4"),
+        ("render room.obj --max-depth 0", "--max-depth <N>"),
+        ("render room.obj --seed -1", "--seed"),
+        ("render room.obj --threads 0", "1 to 1024"),
+        ("render room.obj --exposure bright", "expected a number"),
+        ("render room.obj --look-from 1,2", "three numbers"),
+        ("render room.obj --look-at 1,2,inf", "three numbers"),
+        ("render room.obj --fov 180", "between 0 and 180"),
+        ("render room.obj -o picture.png", "must end in .exr"),
+        ("render room.obj --iterations 0", "--iterations <K>"),
+        ("reference room.obj --spp 4", "--output <REF.exr>"),
+        ("reference room.obj -o a.exr", "--spp <N>"),
+        ("error room.exr", "<REF.exr>"),
+    ] {
+        failure(path, arguments, 2, words);
+    }
+    assert_eq!(names(path), ["room.mtl", "room.obj"]);
+}
+
+#[test]
+fn bad_input_is_named_before_work_begins() {
+    let room = room();
+    let path = room.path();
+    fs::write(path.join("dark.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    fs::create_dir(path.join("folder.exr")).unwrap();
+    for (arguments, words) in [
+        ("render none.toml", "none.toml"),
+        ("info none.obj", "none.obj"),
+        ("render dark.obj", "no light"),
+        ("render room.obj -o none/a.exr", "none/a.exr: no such file or folder"),
+        ("render room.obj -o room.obj/a.exr", "room.obj/a.exr: a part of the path is not a folder"),
+        ("render room.obj -o folder.exr", "folder.exr: it is a folder"),
+        ("reference room.obj --spp 4 -o none/a.exr", "none/a.exr"),
+        ("render room.obj --up 0,0,0", "up"),
+        ("render room.obj --look-from 1,1,1 --look-at 1,1,1", "camera"),
+        ("error none.exr none.exr", "none.exr: no such file or folder"),
+        ("error room.obj room.obj", "room.obj"),
+    ] {
+        failure(path, arguments, 2, words);
+    }
+    assert_eq!(names(path), ["dark.obj", "folder.exr", "room.mtl", "room.obj"]);
+}
+
+#[test]
+fn images_that_do_not_fit_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let picture = |name: &str, width: u32, value: f32| {
+        let rgb = vec![[value; 3]; width as usize];
+        write_exr(&folder.path().join(name), &Picture { width, height: 1, rgb, ..Picture::default() })
+            .unwrap();
+    };
+    picture("small.exr", 2, 1.0);
+    picture("large.exr", 3, 1.0);
+    picture("broken.exr", 2, f32::NAN);
+    failure(folder.path(), "error small.exr large.exr", 2, "the image has 2×1 pixels, the reference 3×1");
+    failure(folder.path(), "error broken.exr small.exr", 2, "the image has 2 pixels that are not finite");
+    failure(folder.path(), "error small.exr broken.exr", 2, "the reference has 2 pixels that are not finite");
+}
+
+#[test]
+fn help_is_there_for_everything() {
+    let folder = tempfile::tempdir().unwrap();
+    for command in ["", "render", "reference", "error", "info"] {
+        let help = success(folder.path(), &format!("{command} --help"));
+        assert!(help.contains("Usage: pmcip"), "{help}");
+    }
+    assert!(success(folder.path(), "--version").starts_with("pmcip "));
+}

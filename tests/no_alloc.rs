@@ -1,0 +1,56 @@
+//! The core allocates nothing while it builds lights, checks a scene, adapts, traces and resolves a frame.
+
+#[path = "no_std/frame.rs"]
+mod frame;
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+use std::hint::black_box;
+
+thread_local! {
+    /// Allocations of this thread; the test harness has threads of its own.
+    static ALLOCATIONS: Cell<u64> = const { Cell::new(0) };
+}
+
+/// The system's allocator, counted.
+struct Counting;
+
+// SAFETY: every call is passed on to the system's allocator unchanged; the counter is a plain thread-local cell
+// with a constant start and no destructor, so that touching it neither allocates nor fails.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        ALLOCATIONS.set(ALLOCATIONS.get() + 1);
+        // SAFETY: the caller keeps the contract of `alloc`, which is the same.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, memory: *mut u8, layout: Layout) {
+        // SAFETY: `memory` comes from `alloc` above, hence from the system's allocator.
+        unsafe { System.dealloc(memory, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+/// Allocations that `work` makes.
+fn allocations(work: impl FnOnce()) -> u64 {
+    let before = ALLOCATIONS.get();
+    work();
+    ALLOCATIONS.get() - before
+}
+
+#[test]
+fn a_frame_allocates_nothing() {
+    let mut result = None;
+    assert_eq!(allocations(|| result = frame::render()), 0);
+    let (tally, brightest) = result.expect("the core accepts scene and memory");
+    assert_eq!((tally.samples, tally.rejected), (frame::SAMPLES, 0));
+    assert!(brightest > 0.0);
+}
+
+#[test]
+fn the_counter_counts() {
+    assert_eq!(allocations(|| drop(black_box(Box::new(1)))), 1);
+    assert!(allocations(|| drop(black_box(vec![0; 100]))) >= 1);
+}
