@@ -1,0 +1,65 @@
+//! What the measuring programs share: many independent renders, and what they cost in error.
+
+use pmcip::frame_io::Picture;
+use pmcip::metrics::{self, Metrics};
+use pmcip::render;
+use pmcip::scene::{self, LoadedScene};
+use pmcip::settings::{Method, Settings};
+use rayon::prelude::*;
+use std::path::Path;
+
+/// A scene of this project, at a side length of its square picture.
+pub struct Study {
+    pub scene: LoadedScene,
+    pub reference: Picture,
+    side: u32,
+}
+
+/// Means over runs.
+pub struct Outcome {
+    pub err: f64,
+    pub err_lowpass: f64,
+    pub rel_mse: f64,
+    /// Mean of Σe/Σref and its standard error from the spread of the runs.
+    pub bias: (f64, f64),
+}
+
+impl Study {
+    /// Loads `scenes/NAME.toml` and renders its reference, uniformly, with a seed no run uses.
+    pub fn new(name: &str, side: u32, reference_spp: u32) -> Study {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("scenes/{name}.toml"));
+        let scene = scene::load(&path).expect("a scene of this project loads");
+        let mut settings = Settings::new(&scene, Method::Uniform, Some(reference_spp), Some((side, side)));
+        settings.sampler.seed = u32::MAX;
+        let frame = render::render(&scene, &settings, None, &|_| ()).expect("the reference renders");
+        let reference = frame.picture(&settings, &scene);
+        Study { scene, reference, side }
+    }
+
+    /// The settings of a method at this study's size.
+    pub fn settings(&self, method: Method, spp: u32) -> Settings {
+        Settings::new(&self.scene, method, Some(spp), Some((self.side, self.side)))
+    }
+
+    /// Renders with `runs` seeds, each on one thread, and measures.
+    pub fn run(&self, settings: &Settings, runs: u32) -> Outcome {
+        let one = |seed: u32| {
+            let mut settings = *settings;
+            settings.sampler.seed = seed;
+            let frame = render::render(&self.scene, &settings, Some(1), &|_| ()).expect("a run renders");
+            let picture = frame.picture(&settings, &self.scene);
+            metrics::measure(&picture, &self.reference, f64::from(self.scene.cd_per_unit)).expect("same size")
+        };
+        let all: Vec<Metrics> = (0..runs).into_par_iter().map(one).collect();
+        let mean = |of: fn(&Metrics) -> f64| all.iter().map(of).sum::<f64>() / f64::from(runs);
+        let bias = mean(|m| m.energy_bias);
+        let spread: f64 = all.iter().map(|m| (m.energy_bias - bias).powi(2)).sum();
+        let error = (spread / f64::from(runs * (runs - 1).max(1))).sqrt();
+        Outcome {
+            err: mean(|m| m.err),
+            err_lowpass: mean(|m| m.err_lowpass),
+            rel_mse: mean(|m| m.rel_mse),
+            bias: (bias, error),
+        }
+    }
+}
