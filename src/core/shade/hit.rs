@@ -141,9 +141,12 @@ fn largest(corners: [Vec3x8; 3]) -> f32x8 {
 /// The interpolated normal on the side the ray came from; the geometric one where the triangle is flat.
 #[inline(always)]
 fn shading_normal(smooth: Vec3x8, front: Vec3x8, direction: Vec3x8) -> Vec3x8 {
-    let length = smooth.length();
-    let is_smooth = length.simd_gt(f32x8::splat(1e-6));
-    let normal = Vec3x8::select(is_smooth, smooth * (f32x8::ONE / length), front);
+    let square = smooth.dot(smooth);
+    let is_smooth = square.simd_gt(f32x8::splat(1e-12));
+    let mut normal = front;
+    if is_smooth.any() {
+        normal = Vec3x8::select(is_smooth, smooth * (f32x8::ONE / square.sqrt()), front);
+    }
     Vec3x8::select(normal.dot(direction).simd_gt(f32x8::ZERO), -normal, normal)
 }
 

@@ -9,11 +9,13 @@ use wide::f32x8;
 #[derive(Clone, Copy, Debug)]
 struct Entry {
     near: f32x8,
+    /// The least of `near`: in this order they are visited.
+    nearest: f32,
     first: u32,
     count: u32,
 }
 
-const ROOT: Entry = Entry { near: f32x8::ZERO, first: 0, count: 0 };
+const ROOT: Entry = Entry { near: f32x8::ZERO, nearest: 0.0, first: 0, count: 0 };
 
 /// Traces packets through a scene. Keeps the walk's stack, so that it is not cleared for every packet.
 #[derive(Clone, Debug)]
@@ -99,12 +101,8 @@ fn find_closest(
             let inside = near.simd_ge(f32x8::ZERO);
             if inside.any() {
                 let near = inside.select(near, f32x8::splat(f32::INFINITY));
-                insert(
-                    stack,
-                    bottom,
-                    top,
-                    Entry { near, first: node.child[child], count: node.count[child] },
-                );
+                let (first, count) = (node.child[child], node.count[child]);
+                insert(stack, bottom, top, Entry { near, nearest: least(near), first, count });
                 top += 1;
             }
         }
@@ -114,9 +112,8 @@ fn find_closest(
 /// Puts `entry` among `stack[bottom..top]`, which is sorted so that the nearest comes last.
 #[inline(always)]
 fn insert(stack: &mut [Entry; STACK], bottom: usize, top: usize, entry: Entry) {
-    let key = nearest(entry.near);
     let mut at = top;
-    while at > bottom && nearest(stack[at - 1].near) < key {
+    while at > bottom && stack[at - 1].nearest < entry.nearest {
         stack[at] = stack[at - 1];
         at -= 1;
     }
@@ -124,7 +121,7 @@ fn insert(stack: &mut [Entry; STACK], bottom: usize, top: usize, entry: Entry) {
 }
 
 #[inline(always)]
-fn nearest(near: f32x8) -> f32 {
+fn least(near: f32x8) -> f32 {
     let lesser = |a: f32, b: f32| if a < b { a } else { b };
     let [a, b, c, d, e, f, g, h] = near.to_array();
     lesser(lesser(lesser(a, b), lesser(c, d)), lesser(lesser(e, f), lesser(g, h)))
