@@ -93,6 +93,22 @@ fn unreadable_files_are_named_with_the_reason() {
 }
 
 #[test]
+fn damaged_files_give_a_picture_or_an_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("damaged.exr");
+    write_exr(&path, &picture()).unwrap();
+    let whole = fs::read(&path).unwrap();
+    for at in 0..600 {
+        let mut damaged = whole.clone();
+        damaged[at] ^= 0x55;
+        fs::write(&path, damaged).unwrap();
+        if let Err(error) = read_exr(&path) {
+            assert!(!error.to_string().contains('\n'));
+        }
+    }
+}
+
+#[test]
 fn a_failed_write_leaves_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let taken = folder.path().join("taken.exr");

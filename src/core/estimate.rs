@@ -15,7 +15,8 @@
 //! Everything is accumulated while streaming, in one RGB plane besides the mean. Iterations are weighted by N_s/|P|
 //! instead of N_s, so that the sums stay near the size of radiances.
 
-use crate::film::{Layout, Moments, Planes, Tile, window::Around, window::square3, window::used_lanes};
+use crate::film::window::{Around, read8, square3, write8};
+use crate::film::{Layout, Moments, Planes, Tile};
 use wide::f32x8;
 
 mod smooth;
@@ -74,13 +75,13 @@ impl Estimator {
         }
     }
 
-    /// The colour of pixel `i`, for `Balanced` that of `Difference`; `weight` is N/|P|.
+    /// The colour of pixel `i`, for `Balanced` that of `Difference`; `share` is |P|/N.
     #[inline]
-    pub(crate) fn value(self, planes: &Planes<'_>, i: usize, weight: f32) -> [f32; 3] {
-        if self == Estimator::Pooled || weight == 0.0 {
-            return planes.mean_at(i);
+    pub(crate) fn value(self, planes: &Planes<'_>, i: usize, share: f32) -> [f32; 3] {
+        match self {
+            Estimator::Pooled => planes.mean_at(i),
+            _ => [0, 1, 2].map(|c| planes.sum[c][i] * share),
         }
-        [0, 1, 2].map(|c| planes.sum[c][i] / weight)
     }
 }
 
@@ -96,32 +97,23 @@ fn stand_in(planes: &mut Planes<'_>, weight: f32) {
 /// Difference: the part c·(1 − n_p/n'_p) of every pixel of a tile.
 fn anchor_tile(layout: &Layout, tile: &Tile, planes: &mut Planes<'_>, weight: f32) {
     let around = Around::new(layout, tile);
-    let known = around.load(|run, out| {
-        out.iter_mut().zip(&planes.count[run]).for_each(|(out, n)| *out = f32::from(u8::from(*n > 0)));
-    });
-    let mean: [_; 3] = [0, 1, 2].map(|c| around.load(|run, out| out.copy_from_slice(&planes.mean[c][run])));
+    let known = around.load([planes.count], |[n]| f32::from(u8::from(n > 0)));
+    let mean = planes.mean.each_ref().map(|mean| around.load([&**mean], |[mean]| mean));
     for y in 0..tile.height as usize {
         let row = tile.row(y as u32);
-        for x in (0..tile.width as usize).step_by(8) {
-            let lanes = used_lanes(tile.width, x);
-            let run = row.start + x..row.start + x + lanes;
-            let planned = eight(planes.planned[run.clone()].iter().map(|n| *n as f32));
-            let target = eight(planes.target[run.clone()].iter().copied());
-            let surplus = target.simd_gt(f32x8::ZERO) & (planned / target);
+        for (x, first) in (0..).step_by(8).zip(row.clone().step_by(8)) {
+            let run = first..row.end.min(first + 8);
+            let mut surplus = [0.0; 8];
+            let counts = planes.planned[run.clone()].iter().zip(&planes.target[run.clone()]);
+            for (surplus, (n, expected)) in surplus.iter_mut().zip(counts) {
+                *surplus = if *expected > 0.0 { *n as f32 / expected } else { 0.0 };
+            }
             let known = square3(&known, x, y).fast_max(f32x8::ONE);
-            let factor = f32x8::splat(weight) * (f32x8::ONE - surplus) / known;
+            let factor = f32x8::splat(weight) * (f32x8::ONE - f32x8::from(surplus)) / known;
             for (sum, mean) in planes.sum.iter_mut().zip(&mean) {
-                let add = (square3(mean, x, y) * factor).to_array();
-                sum[run.clone()].iter_mut().zip(add).for_each(|(sum, add)| *sum += add);
+                let sum = &mut sum[run.clone()];
+                write8(sum, read8(sum) + square3(mean, x, y) * factor);
             }
         }
     }
-}
-
-/// Up to eight values, the others 0.
-#[inline(always)]
-fn eight(values: impl Iterator<Item = f32>) -> f32x8 {
-    let mut lanes = [0.0; 8];
-    lanes.iter_mut().zip(values).for_each(|(lane, value)| *lane = value);
-    f32x8::from(lanes)
 }

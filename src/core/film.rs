@@ -253,15 +253,6 @@ pub fn luminance(rgb: [f32; 3]) -> f32 {
     0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2]
 }
 
-/// Luminances of the run `run` of pixels.
-#[inline(always)]
-pub(crate) fn luminances(mean: &[&mut [f32]; 3], run: Range<usize>, out: &mut [f32]) {
-    let [r, g, b] = [&mean[0][run.clone()], &mean[1][run.clone()], &mean[2][run]];
-    for (out, ((r, g), b)) in out.iter_mut().zip(r.iter().zip(g).zip(b)) {
-        *out = luminance([*r, *g, *b]);
-    }
-}
-
 /// Count, mean and sum of squared deviations of some samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Moments {

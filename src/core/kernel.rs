@@ -8,7 +8,8 @@
 //! Where a window has no degree of freedom nothing is known of its variance, and the weight is
 //! [`UNKNOWN`], which [`allocate`](crate::allocate::allocate) takes for the mean of all others.
 
-use crate::film::{Layout, Planes, Tile, luminances, window::Around, window::used_lanes};
+use crate::film::window::{Around, write8};
+use crate::film::{Layout, Planes, Tile, luminance};
 use crate::math::{exp2, log2};
 use crate::tvi::log2_tvi;
 use wide::f32x8;
@@ -49,23 +50,18 @@ impl Kernel {
 
     fn adapt_tile(&self, layout: &Layout, tile: &Tile, planes: &mut Planes<'_>) {
         let around = Around::new(layout, tile);
-        let m2 = around.load(|run, out| out.copy_from_slice(&planes.m2[run]));
-        let freedom = around.load(|run, out| {
-            out.iter_mut().zip(&planes.groups[run]).for_each(|(out, n)| *out = n.saturating_sub(1) as f32);
-        });
-        let known = around.load(|run, out| {
-            out.iter_mut().zip(&planes.count[run]).for_each(|(out, n)| *out = f32::from(u8::from(*n > 0)));
-        });
-        let light = around.load(|run, out| luminances(&planes.mean, run, out));
+        let [r, g, b] = &planes.mean;
+        let m2 = around.load([planes.m2], |[m2]| m2);
+        let freedom = around.load([planes.groups], |[n]| n.saturating_sub(1) as f32);
+        let known = around.load([planes.count], |[n]| f32::from(u8::from(n > 0)));
+        let light = around.load([r, g, b], luminance);
         for y in 0..tile.height as usize {
             let row = &mut planes.target[tile.row(y as u32)];
-            for x in (0..tile.width as usize).step_by(8) {
+            for (x, out) in (0..).step_by(8).zip(row.chunks_mut(8)) {
                 let sum = |block| self.window.sum(block, x, y);
                 let freedom = sum(&freedom);
                 let weight = self.weight(sum(&m2) / freedom, sum(&light) / sum(&known));
-                let weight = freedom.simd_gt(f32x8::ZERO).bitselect(weight, f32x8::splat(UNKNOWN));
-                let lanes = used_lanes(tile.width, x);
-                row[x..x + lanes].copy_from_slice(&weight.to_array()[..lanes]);
+                write8(out, freedom.simd_gt(f32x8::ZERO).bitselect(weight, f32x8::splat(UNKNOWN)));
             }
         }
     }

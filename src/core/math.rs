@@ -11,13 +11,16 @@ use wide::{f32x8, i32x8};
 const SQRT_HALF_BITS: i32 = 0x3f35_04f3;
 
 /// Polynomial in `x`, coefficients from the lowest power up.
+///
+/// Even and odd powers apart: two short chains of dependent operations instead of a long one.
 #[inline(always)]
 fn polynomial<const N: usize>(x: f32x8, coefficients: [f32; N]) -> f32x8 {
-    let mut sum = f32x8::ZERO;
-    for c in coefficients.iter().rev() {
-        sum = sum * x + f32x8::splat(*c);
+    let square = x * x;
+    let mut sums = [f32x8::ZERO; 2];
+    for (power, c) in coefficients.iter().enumerate().rev() {
+        sums[power % 2] = sums[power % 2] * square + f32x8::splat(*c);
     }
-    sum
+    sums[0] + x * sums[1]
 }
 
 /// Logarithm to base 2 of a positive number; absolute error below 1.2e-7 times the larger of 1 and the result.

@@ -201,16 +201,21 @@ impl<'a> Sampler<'a> {
         if out.len() != 3 * self.layout.pixels() {
             return Err(Error::Output);
         }
-        let weight = self.weight(self.samples);
+        let share = 1.0 / self.weight(self.samples.max(1));
         let pooled = |i| self.planes.mean_at(i);
-        let other = |i| estimator.value(&self.planes, i, weight);
+        let other = |i| estimator.value(&self.planes, i, share);
         if estimator != Estimator::Balanced {
             self.for_each_colour(out, |i, rgb| *rgb = other(i));
             return Ok(());
         }
-        self.for_each_colour(out, |i, rgb| *rgb = [0, 1, 2].map(|c| other(i)[c] - pooled(i)[c]));
+        self.for_each_colour(out, |i, rgb| {
+            let (difference, pooled) = (other(i), pooled(i));
+            *rgb = [0, 1, 2].map(|c| difference[c] - pooled[c]);
+        });
         estimate::smooth(out, width as usize, height as usize, self.settings.balance_radius, scratch);
-        self.for_each_colour(out, |i, rgb| *rgb = [0, 1, 2].map(|c| rgb[c] + pooled(i)[c]));
+        self.for_each_colour(out, |i, rgb| {
+            rgb.iter_mut().zip(pooled(i)).for_each(|(sum, pooled)| *sum += pooled)
+        });
         Ok(())
     }
 

@@ -40,7 +40,7 @@ pub struct Render {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub spp: Option<u32>,
     /// Rounds of sampling and adapting, the first one uniform [default: one for each 2 spp, at most 16]
-    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u32).range(1..=65_536))]
     pub iterations: Option<u32>,
     /// How light is followed
     #[arg(long, value_enum, default_value = "path")]

@@ -1,4 +1,9 @@
 //! The std shell around `pmcip-core`: scenes, frames, reports, command line.
+//!
+//! A scene on disk becomes arrays ([`scene`]), the core renders them on all threads ([`render`]) as the
+//! [`settings`] say, and the frame goes to disk as EXR and PNG ([`frame_io`], through [`mod@output`], which never
+//! leaves half a file) or is measured against a reference ([`metrics`]). The program `pmcip` puts a command line
+//! before this and adds nothing to it. The formulas of sampling and shading are all in the core.
 
 pub mod error;
 pub mod frame_io;

@@ -10,6 +10,15 @@
 //! - **Oracle ratio**: |P|·Σσ²w/(Σσ√w)², w = 1/tvi: what the best allocation for known variances gains over uniform
 //!   sampling in Err.
 //!
+//! ```
+//! use pmcip::{frame_io::Picture, metrics::measure};
+//!
+//! let grey = |value| Picture { width: 1, height: 1, rgb: vec![[value; 3]], ..Picture::default() };
+//! let metrics = measure(&grey(1.1), &grey(1.0), 100.0)?;
+//! assert!((metrics.mse - 0.01).abs() < 1e-6);
+//! # Ok::<(), pmcip::error::Error>(())
+//! ```
+//!
 //! Sums are in f64. Limits: the standard error takes pixels as independent. From a `variance` plane it is right for
 //! `pooled`, too small for estimators that spread energy over a neighbourhood; many runs tell more than one.
 
@@ -138,10 +147,15 @@ fn trimmed_mean(mut values: Vec<f64>) -> f64 {
 
 /// Variance of the error of each pixel, from the planes of the image and, if it has one, of the reference.
 fn pixel_variance(image: &Picture, reference: &Picture) -> Option<Vec<f64>> {
-    let of =
-        |picture: &Picture, i: usize| picture.planes.get("variance").map_or(0.0, |plane| f64::from(plane[i]));
-    let plane = image.planes.get("variance")?;
-    Some((0..plane.len()).map(|i| of(image, i) + of(reference, i)).collect())
+    let own = variance(image)?;
+    let other = variance(reference).unwrap_or_else(|| vec![0.0; own.len()]);
+    Some(own.into_iter().zip(other).map(|(a, b)| a + b).collect())
+}
+
+/// The plane of this name; values that no variance can have count as nothing known, hence 0.
+fn variance(picture: &Picture) -> Option<Vec<f64>> {
+    let sane = |value: &f32| if (0.0..=f32::MAX).contains(value) { f64::from(*value) } else { 0.0 };
+    Some(picture.planes.get("variance")?.iter().map(sane).collect())
 }
 
 /// Σe/Σref and its standard error, from the pixels' variances or else from the spread of the errors.
@@ -149,7 +163,7 @@ fn energy_bias(error: &[f64], truth: &[f64], variance: Option<&[f64]>) -> (f64, 
     let energy: f64 = truth.iter().sum();
     let shift = mean(error);
     let total = match variance {
-        Some(variance) => variance.iter().filter(|v| v.is_finite()).sum(),
+        Some(variance) => variance.iter().sum(),
         None => error.iter().map(|e| (e - shift).powi(2)).sum::<f64>(),
     };
     (error.iter().sum::<f64>() / energy, total.sqrt() / energy)
@@ -157,9 +171,11 @@ fn energy_bias(error: &[f64], truth: &[f64], variance: Option<&[f64]>) -> (f64, 
 
 /// Variance of a single sample in each pixel, up to a common factor: that of the mean times the count.
 fn sample_variance(picture: &Picture) -> Option<Vec<f64>> {
-    let count = |i: usize| picture.planes.get("count").map_or(1.0, |plane| f64::from(plane[i]));
-    let plane = picture.planes.get("variance")?;
-    Some(plane.iter().enumerate().map(|(i, v)| f64::from(*v) * count(i)).collect())
+    let mut variance = variance(picture)?;
+    if let Some(count) = picture.planes.get("count") {
+        variance.iter_mut().zip(count).for_each(|(variance, count)| *variance *= f64::from(count.max(0.0)));
+    }
+    Some(variance)
 }
 
 /// |P|·Σσ²w/(Σσ√w)², w = 1/tvi, from samples' variances σ² and luminances in scene units. 1 if nothing varies.

@@ -1,4 +1,17 @@
 //! Everything that a frame's bits depend on, besides the scene's file.
+//!
+//! ```no_run
+//! use pmcip::{render, scene, settings::{Method, Settings}};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let scene = scene::load("scenes/caustic.toml".as_ref())?;
+//! let mut settings = Settings::new(&scene, Method::Pmc, Some(16), Some((320, 240)));
+//! settings.sampler.seed = 7;
+//! let frame = render::render(&scene, &settings, None, &|_| ())?;
+//! println!("{} samples in {} s", frame.tally.samples, frame.seconds);
+//! # Ok(())
+//! # }
+//! ```
 
 use crate::scene::{LoadedScene, View};
 use clap::ValueEnum;
@@ -53,7 +66,7 @@ impl Method {
     /// Iterations for `spp` samples a pixel: of two samples a pixel, at most sixteen; three as published.
     pub fn default_iterations(self, spp: u32) -> u32 {
         match self {
-            Method::Pmc => spp.div_ceil(2).min(16),
+            Method::Pmc => (spp / 2).clamp(1, 16),
             // They learn nothing from each other: small enough for the core's limit and for a bar that moves.
             Method::Uniform => spp.div_ceil(8),
             Method::Paper => spp.min(3),
@@ -120,10 +133,15 @@ impl Settings {
         }
     }
 
-    /// Samples a pixel of the first iteration: an equal part, a quarter as published.
+    /// Samples a pixel of the first iteration.
     fn pilot(&self) -> u32 {
-        let parts = if self.method == Method::Paper { 4 } else { self.iterations };
-        (self.spp / parts.max(1)).max(1)
+        let part = self.spp / self.iterations.max(1);
+        match self.method {
+            Method::Pmc => part.max(1),
+            // What is left over, so that all iterations give every pixel the same whole number of samples.
+            Method::Uniform => self.spp - part * self.iterations.saturating_sub(1),
+            Method::Paper => (self.spp / 4).max(1),
+        }
     }
 
     /// Samples of each iteration.
@@ -176,4 +194,54 @@ pub fn word(option: impl fmt::Debug) -> String {
 /// The number whose few digits are those of `x`: widening 0.1 would print 0.10000000149.
 fn short(x: f32) -> f64 {
     x.to_string().parse().unwrap_or(f64::from(x))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use pmcip_core::estimate::Estimator;
+
+    /// Settings for a film of ten pixels.
+    fn settings(method: Method, spp: u32) -> Settings {
+        let view = View { from: [0.0; 3], at: [0.0, 0.0, -1.0], up: [0.0, 1.0, 0.0], fov: 40.0 };
+        let iterations = method.default_iterations(spp);
+        Settings { spp, iterations, method, sampler: method.sampler(5, 2), max_depth: 8, view }
+    }
+
+    fn schedule(method: Method, spp: u32) -> Vec<u64> {
+        settings(method, spp).schedule().collect()
+    }
+
+    #[test]
+    fn schedules_are_those_of_the_design() {
+        assert_eq!(schedule(Method::Pmc, 16), [20; 8]);
+        assert_eq!(schedule(Method::Pmc, 64), [40; 16]);
+        assert_eq!(schedule(Method::Paper, 16), [40, 60, 60]);
+        assert_eq!(schedule(Method::Uniform, 5), [50]);
+    }
+
+    #[test]
+    fn every_budget_is_spent_and_uniform_parts_are_whole() {
+        for spp in 1..200 {
+            for method in [Method::Pmc, Method::Uniform, Method::Paper] {
+                assert_eq!(schedule(method, spp).iter().sum::<u64>(), 10 * u64::from(spp), "{method} {spp}");
+            }
+            assert!(schedule(Method::Uniform, spp).iter().all(|samples| samples % 10 == 0), "{spp}");
+        }
+    }
+
+    #[test]
+    fn subframe_gets_the_floor_it_needs() {
+        let mut settings = settings(Method::Pmc, 16);
+        settings.set_estimator(Estimator::Subframe);
+        assert_eq!(settings.sampler.floor, 1.0);
+    }
+
+    #[test]
+    fn the_list_keeps_the_digits_of_floats() {
+        let list = settings(Method::Pmc, 16).list();
+        assert_eq!(list["gamma"].to_string(), "0.6666667");
+        assert_eq!(list["epsilon"].to_string(), "0.01");
+        assert_eq!(list["estimator"], "balanced");
+    }
 }

@@ -47,7 +47,7 @@ fn smooth_rows(rows: &mut [f32], line: &mut [Lanes], spare: &mut [Lanes], radius
     }
     boxes(line, spare, radius);
     for (r, row) in rows.chunks_exact_mut(3 * width).enumerate() {
-        for (lanes, pixel) in line.iter().zip(row.chunks_exact_mut(3)) {
+        for (lanes, pixel) in spare.iter().zip(row.chunks_exact_mut(3)) {
             pixel.copy_from_slice(&lanes[3 * r..3 * r + 3]);
         }
     }
@@ -62,20 +62,19 @@ fn smooth_columns(
     radius: u32,
 ) {
     for (lanes, row) in line.iter_mut().zip(rgb.chunks_exact(stride)) {
-        lanes[..columns.len()].copy_from_slice(&row[columns.clone()]);
+        lanes.iter_mut().zip(&row[columns.clone()]).for_each(|(lane, value)| *lane = *value);
     }
     boxes(line, spare, radius);
-    for (lanes, row) in line.iter().zip(rgb.chunks_exact_mut(stride)) {
-        row[columns.clone()].copy_from_slice(&lanes[..columns.len()]);
+    for (lanes, row) in spare.iter().zip(rgb.chunks_exact_mut(stride)) {
+        row[columns.clone()].iter_mut().zip(lanes).for_each(|(value, lane)| *value = *lane);
     }
 }
 
-/// Three box passes over a line.
+/// Three box passes over a line; the result is in `spare`.
 fn boxes(line: &mut [Lanes], spare: &mut [Lanes], radius: u32) {
     box_pass(line, spare, radius);
     box_pass(spare, line, radius);
     box_pass(line, spare, radius);
-    line.copy_from_slice(spare);
 }
 
 /// The mean over 2·radius + 1 positions around each.

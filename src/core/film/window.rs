@@ -82,27 +82,54 @@ impl Around {
         Around { rows }
     }
 
-    /// The block of the quantity that `read` writes for a run of storage indices.
+    /// The block of the quantity that `value` makes of some planes.
     #[inline(always)]
-    pub fn load(&self, read: impl Fn(Range<usize>, &mut [f32])) -> Block {
+    pub fn load<T: Copy, const N: usize>(&self, planes: [&[T]; N], value: impl Fn([T; N]) -> f32) -> Block {
         let mut block = [[0.0; COLUMNS]; ROWS];
         for (row, out) in self.rows.iter().zip(&mut block) {
             let Some(row) = row else { continue };
-            let width = row.middle.len();
             if let Some(left) = row.left {
-                read(left..left + 1, &mut out[..1]);
+                out[0] = value(planes.map(|plane| plane[left]));
             }
             if let Some(right) = row.right {
-                read(right..right + 1, &mut out[width + 1..width + 2]);
+                out[row.middle.len() + 1] = value(planes.map(|plane| plane[right]));
             }
-            read(row.middle.clone(), &mut out[1..width + 1]);
+            load_middle(planes.map(|plane| &plane[row.middle.clone()]), &mut out[1..], &value);
         }
         block
     }
 }
 
-/// Where the lanes of eight pixels from column `x` of a row of `width` columns go: how many are used.
+/// The part of a row that lies in the tile itself.
 #[inline(always)]
-pub(crate) fn used_lanes(width: u32, x: usize) -> usize {
-    (width as usize - x).min(8)
+fn load_middle<T: Copy, const N: usize>(from: [&[T]; N], out: &mut [f32], value: impl Fn([T; N]) -> f32) {
+    let whole = from.map(|from| from.first_chunk::<{ TILE as usize }>());
+    if whole.iter().all(Option::is_some) {
+        // A whole row of a tile: its length is known, so this becomes a few vector instructions.
+        let whole = whole.map(|row| *row.unwrap_or(&[from[0][0]; TILE as usize]));
+        (0..TILE as usize).for_each(|k| out[k] = value(whole.map(|row| row[k])));
+    } else {
+        (0..from[0].len()).for_each(|k| out[k] = value(from.map(|row| row[k])));
+    }
+}
+
+/// Reads up to eight values; lanes that are left become 0.
+#[inline(always)]
+pub(crate) fn read8(from: &[f32]) -> f32x8 {
+    let mut lanes = [0.0; 8];
+    match from.first_chunk::<8>() {
+        Some(whole) => lanes = *whole,
+        None => lanes[..from.len()].copy_from_slice(from),
+    }
+    f32x8::from(lanes)
+}
+
+/// Writes as many lanes as there is room for, up to eight.
+#[inline(always)]
+pub(crate) fn write8(to: &mut [f32], value: f32x8) {
+    let lanes = value.to_array();
+    match to.first_chunk_mut::<8>() {
+        Some(whole) => *whole = lanes,
+        None => to.iter_mut().zip(lanes).for_each(|(to, lane)| *to = lane),
+    }
 }
