@@ -72,12 +72,12 @@ impl Around {
             Row {
                 left: (tile.x0 > 0).then(|| layout.index(tile.x0 - 1, y)),
                 middle: first..first + tile.width as usize,
-                right: (right < layout.width).then(|| layout.index(right, y)),
+                right: (right < layout.width()).then(|| layout.index(right, y)),
             }
         };
         let rows = core::array::from_fn(|i| {
             let y = (tile.y0 + i as u32).checked_sub(1)?;
-            (y < layout.height && i as u32 <= tile.height + 1).then(|| row(y))
+            (y < layout.height() && i as u32 <= tile.height + 1).then(|| row(y))
         });
         Around { rows }
     }
