@@ -49,8 +49,7 @@ impl Integrand for Any {
 }
 
 fn settings(input: &Input) -> Settings {
-    let estimators =
-        [Estimator::Pooled, Estimator::Subframe, Estimator::Difference, Estimator::Balanced];
+    let estimators = [Estimator::Pooled, Estimator::Subframe, Estimator::Difference, Estimator::Balanced];
     Settings {
         gamma: input.gamma,
         epsilon: input.epsilon,
@@ -95,8 +94,7 @@ fuzz_target!(|input: Input| {
     sampler.resolve(settings.estimator, &mut scratch, &mut rgb).expect("right lengths");
     assert!(rgb.iter().all(|v| v.is_finite()));
 
-    let kernel =
-        Kernel { gamma: settings.gamma, window: settings.window, cd_per_unit: settings.cd_per_unit };
+    let kernel = Kernel { gamma: settings.gamma, window: settings.window, cd_per_unit: settings.cd_per_unit };
     let weight = kernel.weight(integrand.eight(), integrand.eight());
     assert!(weight.to_array().iter().all(|w| w.is_finite() && *w >= 0.0));
 });

@@ -97,8 +97,8 @@ fn stand_in(planes: &mut Planes<'_>, weight: f32) {
 /// Difference: the part c·(1 − n_p/n'_p) of every pixel of a tile.
 fn anchor_tile(layout: &Layout, tile: &Tile, planes: &mut Planes<'_>, weight: f32) {
     let around = Around::new(layout, tile);
-    let known = around.load([planes.count], |[n]| f32::from(u8::from(n > 0)));
-    let mean = planes.mean.each_ref().map(|mean| around.load([&**mean], |[mean]| mean));
+    let known = around.load(planes.count, |n| f32::from(u8::from(n > 0)));
+    let mean = planes.mean.each_ref().map(|mean| around.load(mean, |mean| mean));
     for y in 0..tile.height as usize {
         let row = tile.row(y as u32);
         for (x, first) in (0..).step_by(8).zip(row.clone().step_by(8)) {

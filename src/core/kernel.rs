@@ -8,8 +8,8 @@
 //! Where a window has no degree of freedom nothing is known of its variance, and the weight is
 //! [`UNKNOWN`], which [`allocate`](crate::allocate::allocate) takes for the mean of all others.
 
-use crate::film::window::{Around, write8};
-use crate::film::{Layout, Planes, Tile, luminance};
+use crate::film::window::{Around, block_luminance, write8};
+use crate::film::{Layout, Planes, Tile};
 use crate::math::{exp2, log2};
 use crate::tvi::log2_tvi;
 use wide::f32x8;
@@ -50,11 +50,10 @@ impl Kernel {
 
     fn adapt_tile(&self, layout: &Layout, tile: &Tile, planes: &mut Planes<'_>) {
         let around = Around::new(layout, tile);
-        let [r, g, b] = &planes.mean;
-        let m2 = around.load([planes.m2], |[m2]| m2);
-        let freedom = around.load([planes.groups], |[n]| n.saturating_sub(1) as f32);
-        let known = around.load([planes.count], |[n]| f32::from(u8::from(n > 0)));
-        let light = around.load([r, g, b], luminance);
+        let m2 = around.load(planes.m2, |m2| m2);
+        let freedom = around.load(planes.groups, |n| n.saturating_sub(1) as f32);
+        let known = around.load(planes.count, |n| f32::from(u8::from(n > 0)));
+        let light = block_luminance(&planes.mean.each_ref().map(|mean| around.load(mean, |mean| mean)));
         for y in 0..tile.height as usize {
             let row = &mut planes.target[tile.row(y as u32)];
             for (x, out) in (0..).step_by(8).zip(row.chunks_mut(8)) {

@@ -3,7 +3,7 @@
 //! A tile and the pixels around it are copied into a small raster [`Block`]; beyond the film it holds zeros, so
 //! windows at the border sum over the pixels that exist.
 
-use super::{Layout, TILE, Tile};
+use super::{Layout, TILE, Tile, luminance};
 use core::ops::Range;
 use wide::f32x8;
 
@@ -72,45 +72,49 @@ impl Around {
             Row {
                 left: (tile.x0 > 0).then(|| layout.index(tile.x0 - 1, y)),
                 middle: first..first + tile.width as usize,
-                right: (right < layout.width).then(|| layout.index(right, y)),
+                right: (right < layout.width()).then(|| layout.index(right, y)),
             }
         };
         let rows = core::array::from_fn(|i| {
             let y = (tile.y0 + i as u32).checked_sub(1)?;
-            (y < layout.height && i as u32 <= tile.height + 1).then(|| row(y))
+            (y < layout.height() && i as u32 <= tile.height + 1).then(|| row(y))
         });
         Around { rows }
     }
 
-    /// The block of the quantity that `value` makes of some planes.
+    /// The block of the quantity that `value` makes of a plane.
     #[inline(always)]
-    pub fn load<T: Copy, const N: usize>(&self, planes: [&[T]; N], value: impl Fn([T; N]) -> f32) -> Block {
+    pub fn load<T: Copy>(&self, plane: &[T], value: impl Fn(T) -> f32) -> Block {
         let mut block = [[0.0; COLUMNS]; ROWS];
         for (row, out) in self.rows.iter().zip(&mut block) {
             let Some(row) = row else { continue };
             if let Some(left) = row.left {
-                out[0] = value(planes.map(|plane| plane[left]));
+                out[0] = value(plane[left]);
             }
             if let Some(right) = row.right {
-                out[row.middle.len() + 1] = value(planes.map(|plane| plane[right]));
+                out[row.middle.len() + 1] = value(plane[right]);
             }
-            load_middle(planes.map(|plane| &plane[row.middle.clone()]), &mut out[1..], &value);
+            let middle = &plane[row.middle.clone()];
+            match middle.first_chunk::<{ TILE as usize }>() {
+                // A whole row of a tile: its length is known, so this becomes two vector instructions.
+                Some(whole) => (0..TILE as usize).for_each(|k| out[k + 1] = value(whole[k])),
+                None => out[1..].iter_mut().zip(middle).for_each(|(out, new)| *out = value(*new)),
+            }
         }
         block
     }
 }
 
-/// The part of a row that lies in the tile itself.
+/// The luminance of blocks of red, green and blue.
 #[inline(always)]
-fn load_middle<T: Copy, const N: usize>(from: [&[T]; N], out: &mut [f32], value: impl Fn([T; N]) -> f32) {
-    let whole = from.map(|from| from.first_chunk::<{ TILE as usize }>());
-    if whole.iter().all(Option::is_some) {
-        // A whole row of a tile: its length is known, so this becomes a few vector instructions.
-        let whole = whole.map(|row| *row.unwrap_or(&[from[0][0]; TILE as usize]));
-        (0..TILE as usize).for_each(|k| out[k] = value(whole.map(|row| row[k])));
-    } else {
-        (0..from[0].len()).for_each(|k| out[k] = value(from.map(|row| row[k])));
+pub(crate) fn block_luminance([r, g, b]: &[Block; 3]) -> Block {
+    let mut light = [[0.0; COLUMNS]; ROWS];
+    for y in 0..ROWS {
+        for x in 0..COLUMNS {
+            light[y][x] = luminance([r[y][x], g[y][x], b[y][x]]);
+        }
     }
+    light
 }
 
 /// Reads up to eight values; lanes that are left become 0.

@@ -3,7 +3,7 @@
 extern crate std;
 
 use super::*;
-use crate::film::{FLOATS, WORDS};
+use crate::film::{FLOATS, WORDS, luminance};
 use crate::sobol::hash;
 use std::vec;
 use std::vec::Vec;
