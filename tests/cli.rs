@@ -195,6 +195,28 @@ fn bad_input_is_named_before_work_begins() {
     assert_eq!(names(path), ["dark.obj", "folder.exr", "room.mtl", "room.obj"]);
 }
 
+/// A cube with its front outwards, around the origin, and a lamp above it.
+const CUBE_AND_LAMP: &str = "mtllib room.mtl\nv -1 -1 -1\nv 1 -1 -1\nv -1 1 -1\nv 1 1 -1\nv -1 -1 1\nv 1 -1 1\n\
+    v -1 1 1\nv 1 1 1\nv -1 3 -1\nv 1 3 -1\nv -1 3 1\nv 1 3 1\nusemtl wall\nf 1 3 4 2\nf 5 6 8 7\nf 1 5 7 3\n\
+    f 2 4 8 6\nf 1 2 6 5\nf 3 7 8 4\nusemtl lamp\nf 9 10 12 11\n";
+
+#[test]
+fn a_camera_that_sees_no_light_is_named() {
+    let room = room();
+    let path = room.path();
+    fs::write(path.join("cube.obj"), CUBE_AND_LAMP).unwrap();
+    let inside = "render cube.obj --size 8x8 --spp 1 --look-from 0,0,0 --look-at 0,0,1";
+    failure(path, inside, 2, "the camera at 0,0,0 is inside a wall");
+    let away = "render cube.obj --size 8x8 --spp 1 --look-from 0,0,5 --look-at 0,0,9";
+    let Output { status, stderr, .. } = pmcip(path, away);
+    assert!(status.success());
+    assert!(String::from_utf8(stderr).unwrap().starts_with("warning: no light reached the camera"));
+    assert!(
+        success(path, "render cube.obj --size 8x8 --spp 1 --look-from 0,0,5 --look-at 0,0,0")
+            .contains("wrote")
+    );
+}
+
 #[test]
 fn images_that_do_not_fit_are_refused() {
     let folder = tempfile::tempdir().unwrap();

@@ -7,7 +7,7 @@ use pmcip::frame_io::{self, Picture};
 use pmcip::render::{self, Frame};
 use pmcip::scene::{self, LoadedScene, View};
 use pmcip::settings::{Method, Settings};
-use pmcip::{metrics, output};
+use pmcip::{metrics, output, probe};
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -97,10 +97,20 @@ fn settings(scene: &LoadedScene, common: &Common, method: Method, spp: Option<u3
 }
 
 fn work(scene: &LoadedScene, settings: &Settings, common: &Common) -> Result<Frame, Failure> {
+    if let Some(warning) = probe::look(scene, settings).map_err(blame)?
+        && !common.quiet
+    {
+        eprintln!("warning: {warning}");
+    }
     let bar = progress::bar(settings.pixels(), settings.spp, common.quiet);
     let frame = render::render(scene, settings, common.threads, &|samples| bar.inc(samples));
     bar.finish_and_clear();
-    frame.map_err(|error| if matches!(error, Error::Setting(_)) { bad(error) } else { failed(error) })
+    frame.map_err(blame)
+}
+
+/// Blames a refused setting on the input, all else on the work.
+fn blame(error: Error) -> Failure {
+    if matches!(error, Error::Setting(_)) { bad(error) } else { failed(error) }
 }
 
 fn print(common: &Common, json: bool, report: &report::Rendered) {

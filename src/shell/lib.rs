@@ -1,6 +1,7 @@
 //! The std shell around `pmcip-core`: scenes, frames, reports, command line.
 //!
-//! A scene on disk becomes arrays ([`scene`]), the core renders them on all threads ([`render`]) as the
+//! A scene on disk becomes arrays ([`scene`]), a trial picture tells whether the camera sees any light ([`probe`]),
+//! the core renders them on all threads ([`render`]) as the
 //! [`settings`] say, and the frame goes to disk as EXR and PNG ([`frame_io`], through [`mod@output`], which never
 //! leaves half a file) or is measured against a reference ([`metrics`]). The program `pmcip` puts a command line
 //! before this and adds nothing to it. The formulas of sampling and shading are all in the core.
@@ -9,6 +10,7 @@ pub mod error;
 pub mod frame_io;
 pub mod metrics;
 pub mod output;
+pub mod probe;
 pub mod render;
 pub mod scene;
 pub mod settings;

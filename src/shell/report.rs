@@ -133,12 +133,13 @@ pub struct Contents<'a> {
     look_at: [f32; 3],
     up: [f32; 3],
     fov: f32,
-    warnings: &'a [String],
+    warnings: Vec<String>,
 }
 
 impl<'a> Contents<'a> {
     /// Collects the facts.
     pub fn new(scene: &'a LoadedScene) -> Self {
+        let no_light = scene.require_light().err().map(|error| error.to_string());
         Contents {
             scene: &scene.name,
             triangles: scene.triangles.len(),
@@ -157,7 +158,7 @@ impl<'a> Contents<'a> {
             look_at: scene.view.at,
             up: scene.view.up,
             fov: scene.view.fov,
-            warnings: &scene.warnings,
+            warnings: scene.warnings.iter().cloned().chain(no_light).collect(),
         }
     }
 }

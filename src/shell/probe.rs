@@ -1,0 +1,66 @@
+//! A look before the render: does the camera stand where a picture can be made?
+
+use crate::error::Error;
+use crate::render;
+use crate::scene::LoadedScene;
+use crate::settings::{Method, Settings};
+use glam::Vec3;
+use pmcip_core::camera::Camera;
+use pmcip_core::scene::{Scattering, Scene};
+use pmcip_core::trace::{MISS, Rays8, Tracer};
+use pmcip_core::vec3::Vec3x8;
+use wide::f32x8;
+
+/// Side of the trial picture in pixels, a multiple of eight.
+const SIDE: u32 = 32;
+/// Samples a pixel of the trial picture.
+const SPP: u32 = 16;
+
+/// Renders a tiny trial picture. If no light arrives in it at all, says so: as an error where the camera is
+/// enclosed by the backs of surfaces, else as a warning.
+///
+/// # Errors
+/// [`Error::Setting`] if the camera is inside a wall, and as [`render::render`].
+pub fn look(scene: &LoadedScene, settings: &Settings) -> Result<Option<String>, Error> {
+    let mut trial = Settings::new(scene, Method::Uniform, Some(SPP), Some((SIDE, SIDE)));
+    (trial.view, trial.max_depth) = (settings.view, settings.max_depth);
+    let frame = render::render(scene, &trial, Some(1), &|_| ())?;
+    if frame.rgb.iter().flatten().any(|v| *v > 0.0) {
+        return Ok(None);
+    }
+    let [x, y, z] = settings.view.from;
+    if sees_only_backs(scene, settings)? {
+        let why = "every ray from it meets the back of a surface and no light arrives";
+        return Err(Error::Setting(format!("the camera at {x},{y},{z} is inside a wall: {why}")));
+    }
+    Ok(Some(format!("no light reached the camera at {x},{y},{z} in a trial: the picture may be black")))
+}
+
+/// Whether all rays of a coarse grid end on the backs of opaque surfaces.
+fn sees_only_backs(scene: &LoadedScene, settings: &Settings) -> Result<bool, Error> {
+    let view = &settings.view;
+    let camera = Camera::new(view.from, view.at, view.up, view.fov, SIDE, SIDE);
+    let camera = camera.map_err(|e| Error::Setting(e.to_string()))?;
+    let checked = Scene::new(scene.data()).map_err(|e| Error::Setting(e.to_string()))?;
+    let mut tracer = Tracer::new(checked);
+    let columns = f32x8::new([0.5, 1.5, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5]);
+    let starts = (0..SIDE).flat_map(|y| (0..SIDE).step_by(8).map(move |x| (x as f32, y as f32 + 0.5)));
+    Ok(starts.into_iter().all(|(x, y)| {
+        let direction = camera.directions(columns + f32x8::splat(x), f32x8::splat(y));
+        let origin = Vec3x8::splat(camera.origin());
+        let rays = Rays8 { origin, direction, t_max: f32x8::splat(f32::INFINITY) };
+        let hit = tracer.closest(&rays).triangle.to_array();
+        let [dx, dy, dz] = [direction.x, direction.y, direction.z].map(f32x8::to_array);
+        (0..8).all(|lane| is_back(scene, hit[lane], Vec3::new(dx[lane], dy[lane], dz[lane])))
+    }))
+}
+
+fn is_back(scene: &LoadedScene, triangle: u32, direction: Vec3) -> bool {
+    if triangle == MISS {
+        return false;
+    }
+    let surface = &scene.surfaces[triangle as usize];
+    let opaque = scene.materials[surface.material as usize].scattering != Scattering::Dielectric;
+    let [a, b, c] = scene.triangles[triangle as usize].corners.map(Vec3::from_array);
+    opaque && (b - a).cross(c - a).dot(direction) > 0.0
+}
