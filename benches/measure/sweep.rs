@@ -7,7 +7,7 @@ mod study;
 
 use pmcip::settings::{Method, Settings};
 use pmcip_core::estimate::Estimator;
-use pmcip_core::kernel::Window;
+use pmcip_core::kernel::{Criterion, Window};
 use pmcip_core::sampler::{Sequence, Spread};
 use study::Study;
 
@@ -17,8 +17,16 @@ type Variant = (String, Box<dyn Fn(&mut Settings)>);
 fn variants(spp: u32) -> Vec<Variant> {
     let mut all: Vec<Variant> = vec![("defaults".into(), Box::new(|_| ()))];
     let mut add = |name: String, change: Box<dyn Fn(&mut Settings)>| all.push((name, change));
-    for gamma in [0.4, 0.5, 0.6, 0.8, 1.0] {
+    for gamma in [0.5, 0.667, 0.9, 1.0] {
         add(format!("γ {gamma}"), Box::new(move |s| s.sampler.gamma = gamma));
+    }
+    add("σ² of a sample".into(), Box::new(|s| s.sampler.criterion = Criterion::Sample));
+    for gamma in [0.5, 0.667] {
+        let change = move |s: &mut Settings| {
+            s.sampler.criterion = Criterion::Sample;
+            s.sampler.gamma = gamma;
+        };
+        add(format!("σ² of a sample, γ {gamma}"), Box::new(change));
     }
     add("no window".into(), Box::new(|s| s.sampler.window = Window::Pixel));
     for iterations in [2, 4, 8, 16, 32].into_iter().filter(|i| i * 2 <= spp.max(4)) {
@@ -27,10 +35,10 @@ fn variants(spp: u32) -> Vec<Variant> {
     for epsilon in [0.0, 0.05, 0.1] {
         add(format!("ε {epsilon}"), Box::new(move |s| s.sampler.epsilon = epsilon));
     }
-    for floor in [0.1, 0.5, 1.0] {
+    for floor in [0.1, 0.25, 0.75, 1.0] {
         add(format!("m {floor}"), Box::new(move |s| s.sampler.floor = floor));
     }
-    for radius in [4, 8, 16, 24] {
+    for radius in [6, 12, 36] {
         add(format!("balance radius {radius}"), Box::new(move |s| s.sampler.balance_radius = radius));
     }
     add("σ² of iterations".into(), Box::new(|s| s.sampler.spread = Spread::Iterations));

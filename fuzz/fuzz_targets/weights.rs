@@ -94,7 +94,7 @@ fuzz_target!(|input: Input| {
     sampler.resolve(settings.estimator, &mut scratch, &mut rgb).expect("right lengths");
     assert!(rgb.iter().all(|v| v.is_finite()));
 
-    let kernel = Kernel { gamma: settings.gamma, window: settings.window, cd_per_unit: settings.cd_per_unit };
+    let kernel = Kernel { criterion: settings.criterion, gamma: settings.gamma, window: settings.window, cd_per_unit: settings.cd_per_unit };
     let weight = kernel.weight(integrand.eight(), integrand.eight());
     assert!(weight.to_array().iter().all(|w| w.is_finite() && *w >= 0.0));
 });

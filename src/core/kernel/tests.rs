@@ -50,7 +50,7 @@ fn weights_equal_the_scalar_twin() {
         let mut planes = Planes::new(&mut floats, &mut words, layout.pixels()).unwrap();
         fill(&mut planes);
         for (window, gamma) in [(Window::Pixel, 1.0), (Window::Square3, 2.0 / 3.0), (Window::Square3, 0.0)] {
-            let kernel = Kernel { gamma, window, cd_per_unit: 20.0 };
+            let kernel = Kernel { criterion: Criterion::Sample, gamma, window, cd_per_unit: 20.0 };
             kernel.adapt(&layout, &mut planes);
             let pixels: Vec<_> = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).collect();
             for (x, y) in pixels {
@@ -67,7 +67,8 @@ fn weights_equal_the_scalar_twin() {
 
 #[test]
 fn weights_of_anything_are_finite() {
-    let kernel = Kernel { gamma: 4.0, window: Window::Pixel, cd_per_unit: 1e30 };
+    let kernel =
+        Kernel { criterion: Criterion::Sample, gamma: 4.0, window: Window::Pixel, cd_per_unit: 1e30 };
     let odd = [0.0, -1.0, f32::MIN_POSITIVE, 1.0, f32::MAX, f32::INFINITY, f32::NEG_INFINITY, f32::NAN];
     for luminance in odd {
         let weight = kernel.weight(f32x8::from(odd), f32x8::splat(luminance)).to_array();
