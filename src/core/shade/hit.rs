@@ -1,6 +1,7 @@
 //! What the surface is like where eight rays meet it.
 
-use crate::scene::{Material, NO_TEXTURE, Scattering, Scene, SceneData, Texture};
+use super::gather;
+use crate::scene::{NO_TEXTURE, Scattering, Scene, SceneData, Texture};
 use crate::trace::{Hits8, MISS, Rays8};
 use crate::vec3::Vec3x8;
 use wide::{f32x8, u32x8};
@@ -42,31 +43,17 @@ impl SurfacePoints {
         let triangle = (hits.triangle & hit).to_array();
         let weights = [f32x8::ONE - hits.u - hits.v, hits.u, hits.v];
 
-        let [ax, ay, az, bx, by, bz, cx, cy] = transposed(triangle.map(|i| first8(corners(data, i))));
-        let cz = f32x8::from(triangle.map(|i| corners(data, i)[8]));
-        let (a, b, c) = (Vec3x8::new(ax, ay, az), Vec3x8::new(bx, by, bz), Vec3x8::new(cx, cy, cz));
+        let [a, b, c] = gather::corners(data, triangle);
         let front = (b - a).cross(c - a).normalized();
         let cosine = -rays.direction.dot(front);
-
-        let surface = |i: u32| bytemuck::cast_ref::<_, [f32; 16]>(&data.surfaces[i as usize]);
-        let [nax, nay, naz, nbx, nby, nbz, ncx, ncy] = transposed(triangle.map(|i| first8(surface(i))));
-        let [ncz, au, av, bu, bv, cu, cv, material] = transposed(triangle.map(|i| last8(surface(i))));
-        let corner_normals = [(nax, nay, naz), (nbx, nby, nbz), (ncx, ncy, ncz)];
-        let smooth = interpolate(corner_normals.map(|(x, y, z)| Vec3x8::new(x, y, z)), weights);
-        let normal = shading_normal(smooth, front, rays.direction);
-
-        let material = bytemuck::cast::<_, u32x8>(material).to_array();
-        let [dr, dg, db, scattering, texture, sr, sg, sb] =
-            transposed(material.map(|i| first8(material_row(data, i))));
-        let [_, _, _, roughness, ior, er, eg, eb] =
-            transposed(material.map(|i| last8(material_row(data, i))));
-        let texture: u32x8 = bytemuck::cast(texture);
-        let mut diffuse = Vec3x8::new(dr, dg, db);
-        if texture.simd_ne(u32x8::splat(NO_TEXTURE)).any() {
-            let uv = [(au, av), (bu, bv), (cu, cv)];
-            let u = uv[0].0 * weights[0] + uv[1].0 * weights[1] + uv[2].0 * weights[2];
-            let v = uv[0].1 * weights[0] + uv[1].1 * weights[1] + uv[2].1 * weights[2];
-            diffuse = diffuse.scaled(textured(data, texture, u, v));
+        let surface = gather::surfaces(data, triangle);
+        let normal = shading_normal(interpolate(surface.normals, weights), front, rays.direction);
+        let material = gather::materials(data, surface.material);
+        let mut diffuse = material.diffuse;
+        if material.texture.simd_ne(u32x8::splat(NO_TEXTURE)).any() {
+            let mix = |[a, b, c]: [f32x8; 3]| a * weights[0] + b * weights[1] + c * weights[2];
+            let (u, v) = (mix(surface.uv.map(|t| t.0)), mix(surface.uv.map(|t| t.1)));
+            diffuse = diffuse.scaled(textured(data, material.texture, u, v));
         }
         SurfacePoints {
             hit: bytemuck::cast(hit),
@@ -74,12 +61,12 @@ impl SurfacePoints {
             facing: Vec3x8::select(cosine.simd_lt(f32x8::ZERO), -front, front),
             normal,
             cosine,
-            scattering: bytemuck::cast(scattering),
+            scattering: material.scattering,
             diffuse,
-            specular: Vec3x8::new(sr, sg, sb),
-            roughness,
-            ior,
-            emission: Vec3x8::new(er, eg, eb),
+            specular: material.specular,
+            roughness: material.roughness,
+            ior: material.ior,
+            emission: material.emission,
             clearance: largest([a, b, c]) * f32x8::splat(CLEARANCE),
         }
     }
@@ -101,30 +88,6 @@ impl SurfacePoints {
 /// Distance from the surface at which rays start, relative to the triangle's largest coordinate, on which the
 /// rounding of the intersection test depends: 32 units in the last place.
 const CLEARANCE: f32 = 1.0 / (1 << 18) as f32;
-
-fn corners<'a>(data: &SceneData<'a>, triangle: u32) -> &'a [f32; 9] {
-    bytemuck::cast_ref(&data.triangles[triangle as usize])
-}
-
-fn material_row<'a>(data: &SceneData<'a>, material: u32) -> &'a [f32; 13] {
-    bytemuck::cast_ref::<Material, _>(&data.materials[material as usize])
-}
-
-#[inline(always)]
-fn first8<const N: usize>(row: &[f32; N]) -> f32x8 {
-    f32x8::from(&row[..8])
-}
-
-#[inline(always)]
-fn last8<const N: usize>(row: &[f32; N]) -> f32x8 {
-    f32x8::from(&row[N - 8..])
-}
-
-/// Rows of eight lanes to lanes of eight columns.
-#[inline(always)]
-fn transposed(rows: [f32x8; 8]) -> [f32x8; 8] {
-    f32x8::transpose(rows)
-}
 
 #[inline(always)]
 fn interpolate(corner: [Vec3x8; 3], weights: [f32x8; 3]) -> Vec3x8 {

@@ -4,6 +4,7 @@
 //! it uniformly. The density of a point per area is then luminance over total power, the same formula for every
 //! light, so that a path that hits an emitter by chance knows it without looking the light up.
 
+use super::gather;
 use crate::scene::{Light, Material, Scene, SceneData, Surface, Triangle};
 use crate::vec3::{self, Vec3x8};
 use wide::f32x8;
@@ -90,45 +91,35 @@ pub(super) struct LightPoints {
 #[inline]
 pub(super) fn sample(scene: &Scene<'_>, u: f32x8, v: f32x8) -> LightPoints {
     let data = scene.data();
-    let mut corners = [[0.0f32; 8]; 9];
-    let mut emission = [[0.0f32; 8]; 3];
-    let mut again = u.to_array();
-    for (lane, u) in again.iter_mut().enumerate() {
-        let (triangle, rest) = pick(data.lights, *u);
-        *u = rest;
-        let triangle = triangle as usize;
-        for (row, value) in corners.iter_mut().zip(data.triangles[triangle].corners.as_flattened()) {
-            row[lane] = *value;
-        }
-        let material = &data.materials[data.surfaces[triangle].material as usize];
-        for (row, value) in emission.iter_mut().zip(&material.emission) {
-            row[lane] = *value;
-        }
-    }
-    let corner = |i: usize| rows(&corners, 3 * i);
-    let (a, ab, ac) = (corner(0), corner(1) - corner(0), corner(2) - corner(0));
-    let root = f32x8::from(again).sqrt();
-    let (b1, b2) = (root * (f32x8::ONE - v), root * v);
-    let radiance = rows(&emission, 0);
+    let u = u.to_array();
+    let picked = u.map(|u| pick(data.lights, u));
+    let below = f32x8::from(picked.map(|i| if i == 0 { 0.0 } else { data.lights[i - 1].cumulative }));
+    let above = f32x8::from(picked.map(|i| data.lights[i].cumulative));
+    // The number that picked the triangle is stretched over its share and serves again.
+    let again = ((f32x8::from(u) - below) / (above - below)).fast_max(f32x8::ZERO).fast_min(f32x8::ONE);
+    let triangle = picked.map(|i| data.lights[i].triangle);
+    let [a, b, c] = gather::corners(data, triangle);
+    let root = again.sqrt();
+    let position = a + (b - a) * (root * (f32x8::ONE - v)) + (c - a) * (root * v);
+    let material = triangle.map(|i| data.surfaces[i as usize].material);
+    let radiance = gather::materials(data, material).emission;
     LightPoints {
-        position: a + ab * b1 + ac * b2,
-        normal: ab.cross(ac).normalized(),
+        position,
+        normal: (b - a).cross(c - a).normalized(),
         radiance,
         density: luminance8(radiance) * f32x8::splat(scene.inverse_power()),
     }
 }
 
-#[inline(always)]
-fn rows(lanes: &[[f32; 8]], first: usize) -> Vec3x8 {
-    Vec3x8::new(lanes[first].into(), lanes[first + 1].into(), lanes[first + 2].into())
-}
+/// Tables up to this length are searched from the front.
+const SHORT: usize = 8;
 
-/// The triangle that `u` falls on, and `u` stretched over its share, so that one number serves twice.
-#[inline]
-fn pick(lights: &[Light], u: f32) -> (u32, f32) {
-    let i = lights.partition_point(|l| l.cumulative <= u).min(lights.len() - 1);
-    let before = if i == 0 { 0.0 } else { lights[i - 1].cumulative };
-    let share = lights[i].cumulative - before;
-    let rest = ((u - before) / share).clamp(0.0, 1.0 - f32::EPSILON);
-    (lights[i].triangle, rest)
+/// The light whose share `u` falls on.
+#[inline(always)]
+fn pick(lights: &[Light], u: f32) -> usize {
+    let last = lights.len() - 1;
+    if lights.len() <= SHORT {
+        return lights[..last].iter().map(|l| usize::from(l.cumulative <= u)).sum();
+    }
+    lights.partition_point(|l| l.cumulative <= u).min(last)
 }

@@ -1,11 +1,12 @@
 //! From hits to radiance: materials, lights and the integrators that combine them.
 //!
-//! * `hit` – what the surface is like where a ray meets it;
+//! * `hit` – what the surface is like where a ray meets it; `gather` – how its records are fetched;
 //! * [`light`] – picking a point on an emitter;
 //! * `rough`, `specular` – the scattering functions;
 //! * `queue`, `shadow` – packets of paths and of shadow rays, kept full;
 //! * [`path`] – the path tracer.
 
+mod gather;
 mod hit;
 pub mod light;
 pub mod path;

@@ -11,7 +11,7 @@
 
 use super::hit::SurfacePoints;
 use super::light::{self, luminance8};
-use super::queue::{Paths, Queue, SLACK, lane_mask};
+use super::queue::{Paths, Queue, SLACK};
 use super::rough::Rough;
 use super::shadow::{ShadowRays, Shadows};
 use super::specular;
@@ -125,11 +125,11 @@ impl<'a> PathTracer<'a> {
         if rough.any() {
             self.scatter_rough(&mut next, &surface, rough, depth, radiance);
         }
-        let choices = sobol::point(paths.index, paths.key, SETS * depth);
         if (surface.hit & !rough).any() {
-            scatter_specular(&mut next, &surface, choices.0);
+            let (choice, _) = sobol::point(paths.index, paths.key, SETS * depth);
+            scatter_specular(&mut next, &surface, choice);
         }
-        let alive = roulette(&mut next, surface.hit, depth, choices.1);
+        let alive = survivors(&mut next, surface.hit, depth);
         next.origin = surface.leave(next.direction);
         self.queue.push(&next, alive);
     }
@@ -170,7 +170,7 @@ impl<'a> PathTracer<'a> {
             }
         }
         let (u, v) = sobol::point(next.index, next.key, SETS * depth - 1);
-        let (part, _) = sobol::point(next.index, next.key, SETS * depth);
+        let part = || sobol::point(next.index, next.key, SETS * depth).0;
         let incoming = bsdf.sample(u, v, part);
         let (value, density) = bsdf.evaluate(incoming);
         let weight = value * (f32x8::ONE / density);
@@ -267,16 +267,17 @@ fn scatter_specular(next: &mut Paths, surface: &SurfacePoints, choice: f32x8) {
     next.compression = glass.select(next.compression * through.compression, next.compression);
 }
 
-/// Ends paths that carry nothing, and by chance those that carry little; returns the survivors, as bits.
-fn roulette(next: &mut Paths, hit: f32x8, depth: u32, chance: f32x8) -> u32 {
+/// Ends paths that carry nothing, and by chance those that carry little; returns the others, as bits.
+fn survivors(next: &mut Paths, hit: f32x8, depth: u32) -> u32 {
     let carried = next.throughput.max_component();
     let mut alive = hit & carried.simd_gt(f32x8::ZERO);
     if depth >= ROULETTE_DEPTH {
+        let (_, chance) = sobol::point(next.index, next.key, SETS * depth);
         let survival = (carried / next.compression).fast_min(f32x8::splat(MAX_SURVIVAL));
         alive &= chance.simd_lt(survival);
         next.throughput = next.throughput * (f32x8::ONE / survival);
     }
-    alive.to_bitmask() & lane_mask((1 << next.lanes) - 1).to_bitmask()
+    alive.to_bitmask()
 }
 
 /// Weight of a technique of density `own` beside one of density `other`: a²/(a² + b²), without overflow.

@@ -63,16 +63,16 @@ impl Rough {
         (value, density)
     }
 
-    /// A direction for uniform numbers `u`, `v` and, to choose between the parts, `part`.
+    /// A direction for uniform numbers `u`, `v` and, where there is a choice of parts to make, `part`.
     #[inline]
-    pub fn sample(&self, u: f32x8, v: f32x8, part: f32x8) -> Vec3x8 {
+    pub fn sample(&self, u: f32x8, v: f32x8, part: impl FnOnce() -> f32x8) -> Vec3x8 {
         let diffuse = cosine_direction(u, v);
         if !self.has_lobe {
             return diffuse;
         }
         let half = self.visible_normal(u, v);
         let reflected = half * (f32x8::splat(2.0) * self.outgoing.dot(half)) - self.outgoing;
-        Vec3x8::select(part.simd_lt(self.lobe), reflected, diffuse)
+        Vec3x8::select(part().simd_lt(self.lobe), reflected, diffuse)
     }
 
     /// Value times cosine and density of the lobe.
