@@ -192,8 +192,8 @@ impl<'a> PathTracer<'a> {
     ) -> ShadowRays {
         let (u, v) = sobol::point(paths.index, paths.key, SETS * depth - 2);
         let point = light::sample(self.tracer.scene(), u, v);
-        let origin = surface.leave(point.position - surface.position);
-        let toward = point.position - origin;
+        // What arrives is reckoned from the surface itself; only the ray starts off it.
+        let toward = point.position - surface.position;
         let distance = toward.length();
         let direction = toward * (f32x8::ONE / distance);
         let cosine = -direction.dot(point.normal);
@@ -202,10 +202,13 @@ impl<'a> PathTracer<'a> {
         let weight = power_heuristic(density, scattered) / density;
         let value = paths.throughput.scaled(value).scaled(point.radiance) * weight;
         let lit = cosine.simd_gt(f32x8::ZERO);
+        let origin = surface.leave(toward);
+        let ray = point.position - origin;
+        let length = ray.length();
         ShadowRays {
             origin,
-            direction,
-            t_max: distance * f32x8::splat(SHADOW_REACH),
+            direction: ray * (f32x8::ONE / length),
+            t_max: length * f32x8::splat(SHADOW_REACH),
             value: Vec3x8::select(lit, value, Vec3x8::default()),
             slot: paths.slot,
         }
