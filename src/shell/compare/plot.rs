@@ -1,7 +1,9 @@
 //! Log-log plots with error bars, as SVG to put into a page.
 
+use super::table::significant;
 use crate::error::Error;
 use plotters::prelude::*;
+use std::ops::Range;
 
 /// Width and height of a plot, in pixels of the page.
 const SIZE: (u32, u32) = (560, 400);
@@ -28,6 +30,15 @@ pub struct Line {
     pub points: Vec<Point>,
 }
 
+/// What runs to the right.
+#[derive(Clone, Debug)]
+pub struct Axis {
+    /// What it is.
+    pub title: &'static str,
+    /// Where it is labelled; `None`: at round numbers.
+    pub ticks: Option<Vec<f64>>,
+}
+
 /// Colours that people with any kind of colour vision tell apart (Okabe and Ito 2008), the baseline's grey first.
 pub fn colour(method: usize) -> (u8, u8, u8) {
     const COLOURS: [(u8, u8, u8); 7] = [
@@ -46,9 +57,9 @@ pub fn colour(method: usize) -> (u8, u8, u8) {
 ///
 /// # Errors
 /// [`Error::Work`] if the drawing fails.
-pub fn svg(title: &str, x_title: &str, lines: &[Line]) -> Result<String, Error> {
+pub fn svg(title: &str, axis: &Axis, lines: &[Line]) -> Result<String, Error> {
     let mut text = String::new();
-    draw(&mut text, title, x_title, &placeable(lines))
+    draw(&mut text, title, axis, &placeable(lines))
         .map_err(|reason| Error::Work(format!("cannot draw a plot: {reason}")))?;
     Ok(text)
 }
@@ -62,35 +73,50 @@ fn placeable(lines: &[Line]) -> Vec<Line> {
 }
 
 /// From the lowest value to the highest, with a margin; something sensible if there is none.
-fn range(values: impl Iterator<Item = f64>) -> std::ops::Range<f64> {
+fn range(values: impl Iterator<Item = f64>) -> Range<f64> {
     let (low, high) = values.fold((f64::INFINITY, 0.0_f64), |(low, high), v| (low.min(v), high.max(v)));
-    if low <= high { low / 1.3..high * 1.3 } else { 0.1..10.0 }
+    if low <= high { low / 1.25..high * 1.25 } else { 0.1..10.0 }
+}
+
+/// Round numbers in a range: 1, 2 and 5 times powers of ten, or the powers alone where those are many.
+fn round_numbers(range: &Range<f64>) -> Vec<f64> {
+    let decades = range.start.log10().floor() as i32..=range.end.log10().ceil() as i32;
+    let steps: &[f64] = if (range.end / range.start).log10() < 3.5 { &[1.0, 2.0, 5.0] } else { &[1.0] };
+    let numbers = decades.flat_map(|decade| steps.iter().map(move |step| step * 10.0_f64.powi(decade)));
+    numbers.filter(|number| range.contains(number)).collect()
 }
 
 fn draw(
     text: &mut String,
     title: &str,
-    x_title: &str,
+    axis: &Axis,
     lines: &[Line],
 ) -> Result<(), Box<dyn std::error::Error>> {
     let points = || lines.iter().flat_map(|line| &line.points);
-    let (x_range, y_range) = (range(points().map(|p| p.x)), range(points().map(|p| p.y)));
+    let x_range = range(points().map(|p| p.x));
+    let y_range = range(points().flat_map(|p| [p.y, p.y + p.error]));
+    let x_ticks = axis.ticks.clone().unwrap_or_else(|| round_numbers(&x_range));
+    let y_ticks = round_numbers(&y_range);
+    let floor = y_range.start;
     let root = SVGBackend::with_string(text, SIZE).into_drawing_area();
     let mut chart = ChartBuilder::on(&root)
         .caption(title, (FACE, 19))
         .margin_right(16)
         .x_label_area_size(44)
         .y_label_area_size(64)
-        .build_cartesian_2d(x_range.log_scale(), y_range.clone().log_scale())?;
+        .build_cartesian_2d(
+            x_range.log_scale().with_key_points(x_ticks),
+            y_range.log_scale().with_key_points(y_ticks),
+        )?;
     chart
         .configure_mesh()
-        .x_desc(x_title)
-        .axis_desc_style((FACE, 14))
-        .label_style((FACE, 13))
-        .x_label_formatter(&|value| plain(*value))
-        .y_label_formatter(&|value| format!("{value:.0e}"))
-        .bold_line_style(RGBColor(205, 205, 205))
-        .light_line_style(RGBColor(236, 236, 236))
+        .x_desc(axis.title)
+        .axis_desc_style((FACE, 16))
+        .label_style((FACE, 15))
+        .x_label_formatter(&|value| significant(*value, 1))
+        .y_label_formatter(&|value| significant(*value, 1))
+        .bold_line_style(RGBColor(222, 222, 222))
+        .light_line_style(TRANSPARENT)
         .axis_style(RGBColor(90, 90, 90))
         .draw()?;
     for line in lines {
@@ -99,7 +125,7 @@ fn draw(
         chart.draw_series(LineSeries::new(places.iter().copied(), colour.stroke_width(2)))?;
         chart.draw_series(places.iter().map(|place| Circle::new(*place, 4, colour.filled())))?;
         let bars = line.points.iter().filter(|p| p.error > 0.0).map(|p| {
-            let low = (p.y - p.error).max(y_range.start);
+            let low = (p.y - p.error).max(floor);
             ErrorBar::new_vertical(p.x, low, p.y, p.y + p.error, colour.stroke_width(1), 9)
         });
         chart.draw_series(bars)?;
@@ -108,8 +134,24 @@ fn draw(
     Ok(())
 }
 
-/// A number without digits that say nothing.
-fn plain(value: f64) -> String {
-    let digits = (-value.log10().floor()).max(0.0) as usize;
-    format!("{value:.digits$}")
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ticks_are_round_and_inside() {
+        let near = |found: Vec<f64>, wanted: &[f64]| {
+            assert_eq!(found.len(), wanted.len(), "{found:?}");
+            found.iter().zip(wanted).for_each(|(a, b)| assert!((a / b - 1.0).abs() < 1e-12, "{found:?}"));
+        };
+        near(round_numbers(&(0.3..30.0)), &[0.5, 1.0, 2.0, 5.0, 10.0, 20.0]);
+        near(round_numbers(&(0.5e-4..2.0)), &[1e-4, 1e-3, 1e-2, 1e-1, 1.0]);
+    }
+
+    #[test]
+    fn nothing_to_draw_is_an_empty_plot() {
+        let axis = Axis { title: "seconds", ticks: None };
+        let line = Line { colour: colour(0), points: vec![Point { x: 1.0, y: 0.0, error: 0.0 }] };
+        assert!(svg("Err", &axis, &[line]).unwrap().contains("</svg>"));
+    }
 }
