@@ -5,7 +5,7 @@ mod tables;
 
 use super::pictures::Gallery;
 use super::plot::{self, Axis, Line, Point};
-use super::report::Report;
+use super::report::{Machine, Report};
 use super::table::significant;
 use super::{Comparison, Measures, Row};
 use crate::error::Error;
@@ -29,7 +29,7 @@ pub fn html(report: &Report, comparison: &Comparison, cd_per_unit: f64) -> Resul
     let gallery = Gallery::new(comparison, &report.reference.picture, cd_per_unit);
     let title = format!("{}: speed against error", escape(report.scene));
     Ok(format!(
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>{title}</title>\n\
+        "<!DOCTYPE html>\n<html lang='en'>\n<head>\n<meta charset='utf-8'>\n<title>{title}</title>\n\
          <style>\n{}</style>\n</head>\n<body>\n<h1>{title}</h1>\n{}{}{}{}{}{}</body>\n</html>\n",
         include_str!("page/style.css"),
         facts(report),
@@ -45,11 +45,11 @@ pub fn html(report: &Report, comparison: &Comparison, cd_per_unit: f64) -> Resul
 fn facts(report: &Report) -> String {
     let reference = report.reference;
     let spp = reference.spp.map_or("unknown".into(), |spp| spp.to_string());
-    let noise = reference
-        .err
-        .map_or(String::new(), |err| format!(", its own noise adds about {} to Err", significant(err, 2)));
+    let adds = |err| format!(", its own noise adds about {} to Err", significant(err, 2));
+    let noise = reference.noise_err.map_or(String::new(), adds);
     let seed = reference.seed.map_or(String::new(), |seed| format!(", seed {seed}"));
-    let machine = &report.machine;
+    let Machine { cpu, cpu_threads, threads, system } = &report.machine;
+    let machine = format!("{}, {threads} of {cpu_threads} threads, {system}", escape(cpu));
     let oracle = report.oracle_ratio.map_or("unknown: the reference has no variance".into(), |ratio| {
         format!("{ratio:.2} <small>what known variances would gain in Err over uniform sampling</small>")
     });
@@ -62,20 +62,11 @@ fn facts(report: &Report) -> String {
         ),
         ("Runs", format!("{} of each method at each sample count, first seed {}", report.runs, report.seed)),
         ("Settings", list(&report.settings)),
-        (
-            "Machine",
-            format!(
-                "{}, {} of {} threads, {}",
-                escape(&machine.cpu),
-                machine.threads,
-                machine.cpu_threads,
-                machine.system
-            ),
-        ),
+        ("Machine", machine),
         ("Version", format!("pmcip {}", report.versions.pmcip)),
     ];
-    let own =
-        report.methods.iter().filter_map(|(method, own)| Some((method.as_str(), list(own.as_object()?))));
+    let own = methods(report).map(|rows| rows[0].method.as_str());
+    let own = own.filter_map(|method| Some((method, list(report.methods.get(method)?.as_object()?))));
     facts.extend(own);
     facts.extend(report.warnings.iter().map(|warning| ("Warning", escape(warning))));
     let items = facts.iter().map(|(name, value)| format!("<dt>{}</dt><dd>{value}</dd>\n", escape(name)));
@@ -91,24 +82,25 @@ fn list(settings: &Map<String, Value>) -> String {
 
 /// Every measure against time and against samples.
 fn plots(report: &Report) -> Result<String, Error> {
-    let counts = report.rows.iter().map(|row| f64::from(row.spp)).collect();
-    let axes: [(Axis, fn(&Row) -> f64); 2] = [
-        (Axis { title: "seconds", ticks: None }, |row| row.seconds),
-        (Axis { title: "samples per pixel", ticks: Some(counts) }, |row| f64::from(row.spp)),
-    ];
+    let counts = methods(report).take(1).flatten().map(|row| f64::from(row.spp)).collect();
+    let seconds = Axis { title: "seconds", ticks: None };
+    let samples = Axis { title: "samples per pixel", ticks: Some(counts) };
+    let x: [fn(&Row) -> f64; 2] = [|row| row.seconds, |row| f64::from(row.spp)];
     let mut drawings = String::new();
-    for (axis, x) in &axes {
+    for (axis, x) in [seconds, samples].iter().zip(x) {
         for (title, _, of) in MEASURES {
             let lines: Vec<Line> =
-                methods(report).enumerate().map(|(i, rows)| line(i, &rows, *x, of)).collect();
+                methods(report).enumerate().map(|(i, rows)| line(i, &rows, x, of)).collect();
             drawings += &plot::svg(title, axis, &lines)?;
         }
     }
     let names =
         methods(report).enumerate().map(|(i, rows)| format!("<span>{}</span>", named(i, &rows[0].method)));
     Ok(format!(
-        "<h2>Error against time and samples</h2>\n<p class=\"legend\">{}</p>\n<div class=\"plots\">\n{drawings}</div>\n\
-         <p class=\"note\">Means and standard errors over runs; seconds are medians of the render’s wall time. {}.</p>\n",
+        "<h2>Error against time and samples</h2>\n<p class='legend'>{}</p>\n\
+         <div class='plots'>\n{drawings}</div>\n\
+         <p class='note'>Means and standard errors over runs; seconds are medians of the render’s wall time. \
+         {}.</p>\n",
         names.collect::<String>(),
         MEASURES.map(|(name, meaning, _)| format!("{name}: {meaning}")).join("; "),
     ))
@@ -131,7 +123,7 @@ fn methods<'a>(report: &'a Report) -> impl Iterator<Item = Vec<&'a Row>> {
 /// A method's name beside its colour.
 fn named(method: usize, name: &str) -> String {
     let (r, g, b) = plot::colour(method);
-    format!("<i class=\"swatch\" style=\"background:rgb({r},{g},{b})\"></i>{}", escape(name))
+    format!("<i class='swatch' style='background:rgb({r},{g},{b})'></i>{}", escape(name))
 }
 
 /// Text that a page shows as it is.

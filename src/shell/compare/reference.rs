@@ -47,11 +47,11 @@ pub struct Reference {
     pub seed: Option<u32>,
     /// Hash of the scene it shows, if the file says so.
     pub scene_hash: Option<String>,
-    /// What its own noise adds to every Err at most, if it has a `variance` plane: the plane takes samples as
-    /// independent, stratified ones are better.
-    pub err: Option<f64>,
-    /// Standard error of its energy over the energy, likewise at most.
-    pub energy_stderr: Option<f64>,
+    /// What its own noise adds to every Err, if it has a `variance` plane. About: the plane takes samples as
+    /// independent, and stratified ones are better.
+    pub noise_err: Option<f64>,
+    /// Standard error of its energy over the energy, likewise.
+    pub noise_energy: Option<f64>,
     /// The picture.
     #[serde(skip)]
     pub picture: Picture,
@@ -68,8 +68,8 @@ impl Reference {
             spp: number("spp"),
             seed: number("seed"),
             scene_hash: attribute(HASH).cloned(),
-            err: noise.map(|noise| noise.0),
-            energy_stderr: noise.map(|noise| noise.1),
+            noise_err: noise.map(|noise| noise.0),
+            noise_energy: noise.map(|noise| noise.1),
             picture,
         }
     }

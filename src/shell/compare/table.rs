@@ -30,8 +30,8 @@ fn cell(value: f64) -> String {
 pub fn ratios(report: &Report) -> String {
     let width = report.rows.iter().map(|row| row.method.len()).max().unwrap_or(0).max("method".len());
     let mut text = format!(
-        "{:width$}  {:>5} {:>8} {:>10}   {:<25}   {:<25}  {:>6}   energy bias\n",
-        "", "", "", "", "uniform ÷ method, equal spp", "at equal time", ""
+        "{:width$}  {:>5} {:>8} {:>10}   {:<26}   {:<26}  {:>6}   energy bias\n",
+        "", "", "", "", "uniform ÷ method, same spp", "at equal time", ""
     );
     let names = format!("{:>8}  {:>8} {:>7}", "Err", "low-pass", "relMSE");
     text += &format!(
