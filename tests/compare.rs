@@ -177,7 +177,7 @@ fn any_picture_of_the_right_size_can_be_the_reference() {
         ("-o report --methods pmc:best", "'best' is no option"),
         ("-o report --spp 4,none", "'none'"),
         ("-o report --runs 0", "--runs <R>"),
-        ("-o room.obj", "room.obj"),
+        ("-o room.obj", "room.obj: it is a file, not a folder"),
         ("", "--output <REPORT_DIR>"),
     ] {
         let Output { status, stderr, .. } = compare(path, more);

@@ -146,8 +146,10 @@ fn compare_methods(arguments: &Compare) -> Result<(), Failure> {
 
 /// Makes sure that a report can be written into `folder`, before hours of work depend on it.
 fn prepare(folder: &Path) -> Result<(), Failure> {
-    let reason = |reason| bad(Error::write(folder, output::plain(&reason)));
-    fs::create_dir_all(folder).map_err(reason)?;
+    if folder.is_file() {
+        return Err(bad(Error::write(folder, "it is a file, not a folder")));
+    }
+    fs::create_dir_all(folder).map_err(|reason| bad(Error::write(folder, output::plain(&reason))))?;
     FILES.iter().chain([&reference::FILE]).try_for_each(|name| output::check(&folder.join(name))).map_err(bad)
 }
 

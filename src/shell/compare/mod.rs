@@ -7,7 +7,7 @@
 //! keeps the reference from one comparison to the next.
 //!
 //! Seconds are wall time of the render, without loading the scene, measuring and writing; a row has the median of
-//! its runs, and the mean of the errors. Errors are in the units of [`metrics`](crate::metrics).
+//! its runs, and the mean of the errors. Errors are in the units of [`metrics`].
 //!
 //! Limits: errors contain the reference's own noise, which [`Reference`](reference::Reference) estimates, and every
 //! method's last picture is kept, hence 24 bytes a pixel and method.
