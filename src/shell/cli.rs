@@ -2,6 +2,7 @@
 
 use clap::error::ErrorKind;
 use clap::{Args, Parser, Subcommand};
+use pmcip::compare::Variant;
 use pmcip::settings::{Estimate, MAX_DEPTH, Method};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -22,8 +23,10 @@ pub enum Command {
     Render(Render),
     /// Render a reference: uniform samples, EXR only, with the variance of every pixel
     Reference(Reference),
+    /// Measure methods against each other: error against time and samples, as a page, JSON and CSV
+    Compare(Box<Compare>),
     /// Measure the error of an image against a reference
-    Error(Compare),
+    Error(Measure),
     /// Say what is in a scene
     Info(Info),
 }
@@ -112,9 +115,38 @@ pub struct Common {
     pub quiet: bool,
 }
 
-/// Arguments of `error`.
+/// Arguments of `compare`.
 #[derive(Debug, Args)]
 pub struct Compare {
+    #[command(flatten)]
+    pub common: Common,
+    /// Folder for report.html, report.json, report.csv and the reference; made if it is not there
+    #[arg(short, long, value_name = "REPORT_DIR")]
+    pub output: PathBuf,
+    /// Samples per pixel on average, one or more
+    #[arg(long, value_name = "N,N,…", value_delimiter = ',', default_value = "4,8,16,32,64",
+          value_parser = clap::value_parser!(u32).range(1..))]
+    pub spp: Vec<u32>,
+    /// Methods beside uniform: pmc, paper, or one of them with changes, as pmc:pooled or pmc:gamma=0.5+pooled
+    #[arg(long, value_name = "NAME,NAME,…", value_delimiter = ',', default_value = "uniform,paper,pmc")]
+    pub methods: Vec<Variant>,
+    /// Renders of each method at each sample count, all with different seeds
+    #[arg(long, value_name = "R", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub runs: u32,
+    /// Image to judge by [default: rendered, and kept in the folder]
+    #[arg(long, value_name = "REF.exr", conflicts_with = "reference_spp")]
+    pub reference: Option<PathBuf>,
+    /// Samples per pixel of the rendered reference
+    #[arg(long, value_name = "N", default_value_t = 4096, value_parser = clap::value_parser!(u32).range(1..))]
+    pub reference_spp: u32,
+    /// Print the report as JSON instead of the table of ratios
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `error`.
+#[derive(Debug, Args)]
+pub struct Measure {
     /// Image to judge
     #[arg(value_name = "IMAGE.exr")]
     pub image: PathBuf,

@@ -1,15 +1,18 @@
 //! The commands: read, work, write, report.
 
-use crate::cli::{Command, Common, Compare, Info, Reference, Render};
+use crate::cli::{Command, Common, Compare, Info, Measure, Reference, Render};
 use crate::{progress, report};
+use pmcip::compare::report::{FILES, Report};
+use pmcip::compare::{self, Plan, reference};
 use pmcip::error::Error;
 use pmcip::frame_io::{self, Picture};
 use pmcip::render::{self, Frame};
 use pmcip::scene::{self, LoadedScene, View};
 use pmcip::settings::{Method, Settings};
 use pmcip::{metrics, output, probe};
+use std::fs;
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Luminance of radiance 1 in cd/m², for images that do not say.
 const DEFAULT_CD_PER_UNIT: f64 = 100.0;
@@ -37,7 +40,8 @@ pub fn run(command: Command) -> Result<(), Failure> {
     match command {
         Command::Render(arguments) => render_frame(&arguments),
         Command::Reference(arguments) => render_reference(&arguments),
-        Command::Error(arguments) => compare(&arguments),
+        Command::Compare(arguments) => compare_methods(&arguments),
+        Command::Error(arguments) => measure(&arguments),
         Command::Info(arguments) => info(&arguments),
     }
 }
@@ -102,15 +106,18 @@ fn work(scene: &LoadedScene, settings: &Settings, common: &Common) -> Result<Fra
     {
         eprintln!("warning: {warning}");
     }
-    let bar = progress::bar(settings.pixels(), settings.spp, common.quiet);
+    let bar = progress::bar(settings.pixels(), u64::from(settings.spp), common.quiet);
     let frame = render::render(scene, settings, common.threads, &|samples| bar.inc(samples));
     bar.finish_and_clear();
     frame.map_err(blame)
 }
 
-/// Blames a refused setting on the input, all else on the work.
+/// Blames the input for a setting that the core refuses or a picture that does not fit, else the work.
 fn blame(error: Error) -> Failure {
-    if matches!(error, Error::Setting(_)) { bad(error) } else { failed(error) }
+    match error {
+        Error::Read { .. } | Error::Setting(_) | Error::Sizes { .. } | Error::NotFinite { .. } => bad(error),
+        _ => failed(error),
+    }
 }
 
 fn print(common: &Common, json: bool, report: &report::Rendered) {
@@ -121,7 +128,69 @@ fn print(common: &Common, json: bool, report: &report::Rendered) {
     }
 }
 
-fn compare(arguments: &Compare) -> Result<(), Failure> {
+fn compare_methods(arguments: &Compare) -> Result<(), Failure> {
+    let common = &arguments.common;
+    let scene = load(common)?;
+    prepare(&arguments.output)?;
+    let base = settings(&scene, common, Method::Uniform, None);
+    let plan = Plan::new(&arguments.methods, &arguments.spp, arguments.runs, base, common.threads);
+    let reference = find_reference(&scene, &base, arguments)?;
+    let bar = progress::bar(base.pixels(), plan.total_spp(), common.quiet);
+    let comparison = compare::run(&scene, &plan, &reference.picture, &|samples| bar.inc(samples));
+    bar.finish_and_clear();
+    let comparison = comparison.map_err(blame)?;
+    let report = Report::new(&scene, &plan, &reference, &comparison);
+    report.write(&arguments.output).map_err(failed)?;
+    if arguments.json {
+        print_json(&report);
+    } else if !common.quiet {
+        say(&format!("{report}the report is {}", arguments.output.join(FILES[2]).display()));
+    }
+    Ok(())
+}
+
+/// Makes sure that a report can be written into `folder`, before hours of work depend on it.
+fn prepare(folder: &Path) -> Result<(), Failure> {
+    if folder.is_file() {
+        return Err(bad(Error::write(folder, "it is a file, not a folder")));
+    }
+    fs::create_dir_all(folder).map_err(|reason| bad(Error::write(folder, output::plain(&reason))))?;
+    FILES.iter().chain([&reference::FILE]).try_for_each(|name| output::check(&folder.join(name))).map_err(bad)
+}
+
+/// The reference that is named, or that of the folder, which is rendered if it does not fit.
+fn find_reference(
+    scene: &LoadedScene,
+    base: &Settings,
+    arguments: &Compare,
+) -> Result<reference::Reference, Failure> {
+    use reference::Reference;
+    let (common, folder, spp) = (&arguments.common, &arguments.output, arguments.reference_spp);
+    if let Some(file) = &arguments.reference {
+        return Reference::read(file, base, scene.cd_per_unit).map_err(blame);
+    }
+    let note = |text: String| {
+        if !common.quiet {
+            eprintln!("{text}")
+        }
+    };
+    match Reference::find(folder, scene, base, spp) {
+        Ok(reference) => {
+            note(format!("uses the reference in {}", reference.file.display()));
+            Ok(reference)
+        }
+        Err(reason) => {
+            note(format!("renders the reference with {spp} samples a pixel: {reason}"));
+            let bar = progress::bar(base.pixels(), u64::from(spp), common.quiet);
+            let inc = |samples| bar.inc(samples);
+            let reference = Reference::render(folder, scene, base, spp, common.threads, &inc);
+            bar.finish_and_clear();
+            reference.map_err(blame)
+        }
+    }
+}
+
+fn measure(arguments: &Measure) -> Result<(), Failure> {
     let [image, reference] = [&arguments.image, &arguments.reference].map(|path| frame_io::read_exr(path));
     let (image, reference) = (image.map_err(bad)?, reference.map_err(bad)?);
     let cd_per_unit = cd_per_unit(&reference).or(cd_per_unit(&image)).unwrap_or(DEFAULT_CD_PER_UNIT);

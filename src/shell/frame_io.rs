@@ -169,7 +169,7 @@ pub fn write_png(path: &Path, picture: &Picture, exposure: f32) -> Result<(), Er
 }
 
 /// The sRGB code of a linear value; what is not a number becomes black.
-fn encode_srgb(linear: f32) -> u8 {
+pub(crate) fn encode_srgb(linear: f32) -> u8 {
     let value = linear.clamp(0.0, 1.0);
     let coded = if value <= 0.003_130_8 { 12.92 * value } else { 1.055 * value.powf(1.0 / 2.4) - 0.055 };
     (coded * 255.0 + 0.5) as u8

@@ -3,9 +3,11 @@
 //! A scene on disk becomes arrays ([`scene`]), a trial picture tells whether the camera sees any light ([`probe`]),
 //! the core renders them on all threads ([`render`]) as the
 //! [`settings`] say, and the frame goes to disk as EXR and PNG ([`frame_io`], through [`mod@output`], which never
-//! leaves half a file) or is measured against a reference ([`metrics`]). The program `pmcip` puts a command line
-//! before this and adds nothing to it. The formulas of sampling and shading are all in the core.
+//! leaves half a file) or is measured against a reference ([`metrics`]); [`compare`] does so for many methods and
+//! reports. The program `pmcip` puts a command line before this and adds nothing to it. The formulas of sampling and
+//! shading are all in the core.
 
+pub mod compare;
 pub mod error;
 pub mod frame_io;
 pub mod metrics;

@@ -109,7 +109,7 @@ fn err(error: &[f64], truth: &[f64], cd_per_unit: f64) -> f64 {
 }
 
 /// One over the threshold of vision at a luminance in scene units.
-fn acuity(truth: f64, cd_per_unit: f64) -> f64 {
+pub fn acuity(truth: f64, cd_per_unit: f64) -> f64 {
     1.0 / f64::from(tvi(f32x8::splat((truth * cd_per_unit) as f32)).to_array()[0])
 }
 

@@ -4,7 +4,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use std::fmt::Write;
 
 /// A bar for a render of `spp` samples in each of `pixels` pixels; silent if `quiet` or not on a terminal.
-pub fn bar(pixels: u64, spp: u32, quiet: bool) -> ProgressBar {
+pub fn bar(pixels: u64, spp: u64, quiet: bool) -> ProgressBar {
     if quiet {
         return ProgressBar::hidden();
     }
@@ -14,6 +14,6 @@ pub fn bar(pixels: u64, spp: u32, quiet: bool) -> ProgressBar {
     };
     let template = "{bar:40} {percent:>3} %  {rate}  {eta} left";
     let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
-    let bar = ProgressBar::with_draw_target(Some(pixels * u64::from(spp)), ProgressDrawTarget::stderr());
+    let bar = ProgressBar::with_draw_target(Some(pixels * spp), ProgressDrawTarget::stderr());
     bar.with_style(style.with_key("rate", rate))
 }

@@ -1,0 +1,132 @@
+//! A comparison as a page that needs nothing else: plots, tables, pictures.
+
+mod gallery;
+mod tables;
+
+use super::pictures::Gallery;
+use super::plot::{self, Axis, Line, Point};
+use super::report::{Machine, Report};
+use super::table::significant;
+use super::{Comparison, Measures, Row};
+use crate::error::Error;
+use serde_json::{Map, Value};
+
+/// A measure: its name, what its number means, and where it is.
+type Measure = (&'static str, &'static str, fn(&Measures) -> f64);
+
+/// What is plotted and compared.
+const MEASURES: [Measure; 3] = [
+    ("Err", "mean of e²/tvi", |m| m.err),
+    ("Low-pass Err", "after an 8×8 box average", |m| m.err_lowpass),
+    ("relMSE", "mean of e²/(ref² + 0.01)", |m| m.rel_mse),
+];
+
+/// The page.
+///
+/// # Errors
+/// [`Error::Work`] if a plot cannot be drawn.
+pub fn html(report: &Report, comparison: &Comparison, cd_per_unit: f64) -> Result<String, Error> {
+    let gallery = Gallery::new(comparison, &report.reference.picture, cd_per_unit);
+    let title = format!("{}: speed against error", escape(report.scene));
+    Ok(format!(
+        "<!DOCTYPE html>\n<html lang='en'>\n<head>\n<meta charset='utf-8'>\n<title>{title}</title>\n\
+         <style>\n{}</style>\n</head>\n<body>\n<h1>{title}</h1>\n{}{}{}{}{}{}</body>\n</html>\n",
+        include_str!("page/style.css"),
+        facts(report),
+        plots(report)?,
+        tables::ratios(report),
+        tables::measures(report),
+        gallery::pictures(comparison, &gallery),
+        gallery::zooms(comparison, &gallery),
+    ))
+}
+
+/// What was compared, and where.
+fn facts(report: &Report) -> String {
+    let reference = report.reference;
+    let spp = reference.spp.map_or("unknown".into(), |spp| spp.to_string());
+    let adds = |err| format!(", its own noise adds about {} to Err", significant(err, 2));
+    let noise = reference.noise_err.map_or(String::new(), adds);
+    let seed = reference.seed.map_or(String::new(), |seed| format!(", seed {seed}"));
+    let Machine { cpu, cpu_threads, threads, system } = &report.machine;
+    let machine = format!("{}, {threads} of {cpu_threads} threads, {system}", escape(cpu));
+    let oracle = report.oracle_ratio.map_or("unknown: the reference has no variance".into(), |ratio| {
+        format!("{ratio:.2} <small>what known variances would gain in Err over uniform sampling</small>")
+    });
+    let mut facts = vec![
+        ("Scene", escape(&report.scene_file.display().to_string())),
+        ("Oracle ratio", oracle),
+        (
+            "Reference",
+            format!("{}, {spp} samples a pixel{seed}{noise}", escape(&reference.file.display().to_string())),
+        ),
+        ("Runs", format!("{} of each method at each sample count, first seed {}", report.runs, report.seed)),
+        ("Settings", list(&report.settings)),
+        ("Machine", machine),
+        ("Version", format!("pmcip {}", report.versions.pmcip)),
+    ];
+    let own = methods(report).map(|rows| rows[0].method.as_str());
+    let own = own.filter_map(|method| Some((method, list(report.methods.get(method)?.as_object()?))));
+    facts.extend(own);
+    facts.extend(report.warnings.iter().map(|warning| ("Warning", escape(warning))));
+    let items = facts.iter().map(|(name, value)| format!("<dt>{}</dt><dd>{value}</dd>\n", escape(name)));
+    format!("<dl>\n{}</dl>\n", items.collect::<String>())
+}
+
+fn list(settings: &Map<String, Value>) -> String {
+    let item = |(name, value): (&String, &Value)| {
+        format!("<small>{}</small> {}", escape(name), escape(value.to_string().trim_matches('"')))
+    };
+    settings.iter().map(item).collect::<Vec<String>>().join(", ")
+}
+
+/// Every measure against time and against samples.
+fn plots(report: &Report) -> Result<String, Error> {
+    let counts = methods(report).take(1).flatten().map(|row| f64::from(row.spp)).collect();
+    let seconds = Axis { title: "seconds", ticks: None };
+    let samples = Axis { title: "samples per pixel", ticks: Some(counts) };
+    let x: [fn(&Row) -> f64; 2] = [|row| row.seconds, |row| f64::from(row.spp)];
+    let mut drawings = String::new();
+    for (axis, x) in [seconds, samples].iter().zip(x) {
+        for (title, _, of) in MEASURES {
+            let lines: Vec<Line> =
+                methods(report).enumerate().map(|(i, rows)| line(i, &rows, x, of)).collect();
+            drawings += &plot::svg(title, axis, &lines)?;
+        }
+    }
+    let names =
+        methods(report).enumerate().map(|(i, rows)| format!("<span>{}</span>", named(i, &rows[0].method)));
+    Ok(format!(
+        "<h2>Error against time and samples</h2>\n<p class='legend'>{}</p>\n\
+         <div class='plots'>\n{drawings}</div>\n\
+         <p class='note'>Means and standard errors over runs; seconds are medians of the render’s wall time. \
+         {}.</p>\n",
+        names.collect::<String>(),
+        MEASURES.map(|(name, meaning, _)| format!("{name}: {meaning}")).join("; "),
+    ))
+}
+
+/// A method's measurements as a line.
+fn line(method: usize, rows: &[&Row], x: fn(&Row) -> f64, y: fn(&Measures) -> f64) -> Line {
+    let point = |row: &&Row| {
+        let error = row.stderr.as_ref().map_or(0.0, y);
+        Point { x: x(row), y: y(&row.measures), error }
+    };
+    Line { colour: plot::colour(method), points: rows.iter().map(point).collect() }
+}
+
+/// The rows of each method in turn.
+fn methods<'a>(report: &'a Report) -> impl Iterator<Item = Vec<&'a Row>> {
+    report.rows.chunk_by(|a, b| a.method == b.method).map(|rows| rows.iter().collect())
+}
+
+/// A method's name beside its colour.
+fn named(method: usize, name: &str) -> String {
+    let (r, g, b) = plot::colour(method);
+    format!("<i class='swatch' style='background:rgb({r},{g},{b})'></i>{}", escape(name))
+}
+
+/// Text that a page shows as it is.
+fn escape(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}

@@ -1,0 +1,175 @@
+//! The picture that all others are measured by: rendered once, kept beside the report.
+//!
+//! The file `reference.exr` names, as attributes, its samples a pixel and a hash (BLAKE3) of everything its light
+//! depends on: geometry, materials, textures as loaded, camera, size, depth, and this program's version. It is used
+//! again only if both are those asked for.
+
+use crate::error::Error;
+use crate::frame_io::{self, Picture};
+use crate::metrics::{self, luminance};
+use crate::render;
+use crate::scene::LoadedScene;
+use crate::settings::{Method, Settings};
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+/// Its name in the report's folder.
+pub const FILE: &str = "reference.exr";
+/// Its seed: [`run`](super::run) gives this one to no other render.
+const SEED: u32 = u32::MAX;
+/// Attribute with the hash.
+const HASH: &str = "scene_hash";
+/// What the hash begins with, so that another version or another meaning of its parts gives another hash.
+const FORMAT: &str = concat!("pmcip ", env!("CARGO_PKG_VERSION"), " reference 1");
+
+/// Where the reference came from.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Origin {
+    /// Rendered now.
+    Rendered,
+    /// Found in the report's folder.
+    Reused,
+    /// Named by the user.
+    Given,
+}
+
+/// A reference and what is known of it.
+#[derive(Clone, Debug, Serialize)]
+pub struct Reference {
+    /// Its file.
+    pub file: PathBuf,
+    /// Where it came from.
+    pub origin: Origin,
+    /// Samples a pixel, if the file says so.
+    pub spp: Option<u32>,
+    /// Its seed, if the file says so.
+    pub seed: Option<u32>,
+    /// Hash of the scene it shows, if the file says so.
+    pub scene_hash: Option<String>,
+    /// What its own noise adds to every Err, if it has a `variance` plane. About: the plane takes samples as
+    /// independent, and stratified ones are better.
+    pub noise_err: Option<f64>,
+    /// Standard error of its energy over the energy, likewise.
+    pub noise_energy: Option<f64>,
+    /// The picture.
+    #[serde(skip)]
+    pub picture: Picture,
+}
+
+impl Reference {
+    fn new(file: PathBuf, origin: Origin, picture: Picture, cd_per_unit: f64) -> Reference {
+        let attribute = |name: &str| picture.attributes.get(name);
+        let number = |name: &str| attribute(name).and_then(|text| text.parse().ok());
+        let noise = picture.planes.get("variance").map(|plane| noise(&picture, plane, cd_per_unit));
+        Reference {
+            file,
+            origin,
+            spp: number("spp"),
+            seed: number("seed"),
+            scene_hash: attribute(HASH).cloned(),
+            noise_err: noise.map(|noise| noise.0),
+            noise_energy: noise.map(|noise| noise.1),
+            picture,
+        }
+    }
+
+    /// Reads a reference that the user names.
+    ///
+    /// # Errors
+    /// [`Error::Read`] if it cannot be read, [`Error::Sizes`] and [`Error::NotFinite`] if it does not fit `settings`.
+    pub fn read(file: &Path, settings: &Settings, cd_per_unit: f32) -> Result<Reference, Error> {
+        let picture = frame_io::read_exr(file)?;
+        let blank = blank(settings.sampler.width, settings.sampler.height);
+        metrics::measure(&blank, &picture, f64::from(cd_per_unit))?;
+        Ok(Reference::new(file.into(), Origin::Given, picture, f64::from(cd_per_unit)))
+    }
+
+    /// Finds the reference in `folder`.
+    ///
+    /// # Errors
+    /// Why it cannot be used, in words that complete "renders the reference: …".
+    pub fn find(
+        folder: &Path,
+        scene: &LoadedScene,
+        settings: &Settings,
+        spp: u32,
+    ) -> Result<Reference, String> {
+        let file = folder.join(FILE);
+        if !file.exists() {
+            return Err("there is none yet".into());
+        }
+        let picture = frame_io::read_exr(&file).map_err(|error| error.to_string())?;
+        if picture.attributes.get(HASH) != Some(&fingerprint(scene, settings)) {
+            return Err(format!("{} shows another scene, size, depth or camera", file.display()));
+        }
+        let known = picture.attributes.get("spp").map_or("unknown", String::as_str);
+        if known != spp.to_string() {
+            return Err(format!("{} has {known} samples a pixel, not {spp}", file.display()));
+        }
+        Ok(Reference::new(file, Origin::Reused, picture, f64::from(scene.cd_per_unit)))
+    }
+
+    /// Renders the reference and keeps it in `folder`.
+    ///
+    /// # Errors
+    /// As [`render::render`], and [`Error::Write`].
+    pub fn render(
+        folder: &Path,
+        scene: &LoadedScene,
+        settings: &Settings,
+        spp: u32,
+        threads: Option<usize>,
+        progress: &(dyn Fn(u64) + Sync),
+    ) -> Result<Reference, Error> {
+        let file = folder.join(FILE);
+        let mut uniform = super::Variant::from(Method::Uniform).settings(scene, settings, spp);
+        uniform.sampler.seed = SEED;
+        let frame = render::render(scene, &uniform, threads, progress)?;
+        let mut picture = frame.picture(&uniform, scene);
+        picture.attributes.insert(HASH.into(), fingerprint(scene, settings));
+        frame_io::write_exr(&file, &picture)?;
+        Ok(Reference::new(file, Origin::Rendered, picture, f64::from(scene.cd_per_unit)))
+    }
+}
+
+/// A black picture, to see whether another one has its size.
+fn blank(width: u32, height: u32) -> Picture {
+    Picture { width, height, rgb: vec![[0.0; 3]; width as usize * height as usize], ..Picture::default() }
+}
+
+/// Mean of variance/tvi, and the standard error of the energy over the energy.
+fn noise(picture: &Picture, variance: &[f32], cd_per_unit: f64) -> (f64, f64) {
+    let sane = |v: &f32| if v.is_finite() { f64::from(v.max(0.0)) } else { 0.0 };
+    let luminances = || picture.rgb.iter().map(|rgb| luminance(*rgb));
+    let weighted = variance
+        .iter()
+        .zip(luminances())
+        .map(|(v, l)| sane(v) * cd_per_unit * cd_per_unit * metrics::acuity(l, cd_per_unit));
+    let sum: f64 = variance.iter().map(sane).sum();
+    (weighted.sum::<f64>() / variance.len() as f64, sum.sqrt() / luminances().sum::<f64>())
+}
+
+/// Hash of everything the light in a picture depends on.
+pub fn fingerprint(scene: &LoadedScene, settings: &Settings) -> String {
+    let mut hash = blake3::Hasher::new();
+    let mut add = |part: &[u8]| {
+        // Lengths keep what ends one part from counting as the beginning of the next.
+        hash.update(&(part.len() as u64).to_le_bytes());
+        hash.update(part);
+    };
+    add(FORMAT.as_bytes());
+    add(bytemuck::cast_slice(&scene.triangles));
+    add(bytemuck::cast_slice(&scene.surfaces));
+    add(bytemuck::cast_slice(&scene.materials));
+    let textures: Vec<[u32; 3]> = scene.textures.iter().map(|t| [t.width, t.height, t.first]).collect();
+    add(bytemuck::cast_slice(&textures));
+    add(bytemuck::cast_slice(&scene.texels));
+    let view = &settings.view;
+    add(bytemuck::cast_slice(&[view.from, view.at, view.up]));
+    add(&view.fov.to_le_bytes());
+    add(&scene.cd_per_unit.to_le_bytes());
+    let numbers = [settings.sampler.width, settings.sampler.height, settings.max_depth];
+    add(bytemuck::cast_slice(&numbers));
+    hash.finalize().to_hex().to_string()
+}

@@ -1,0 +1,114 @@
+//! A comparison as text: the table of ratios for a terminal, and all rows for a spreadsheet.
+
+use super::Row;
+use super::ratio::Ratio;
+use super::report::Report;
+
+/// Columns of the rows that everybody may rely on.
+const COLUMNS: &str = "method,spp,iterations,estimator,seconds,err,p_eff,err_lowpass,mse,rel_mse,rel_mse_trimmed,\
+                       energy_bias,energy_bias_stderr,runs,err_stderr,err_lowpass_stderr,rel_mse_stderr";
+
+/// The rows as comma-separated values; what is not known is empty.
+pub fn csv(rows: &[Row]) -> String {
+    let lines = rows.iter().map(|row| {
+        let m = &row.measures;
+        let errors = row.stderr.map_or([f64::NAN; 3], |s| [s.err, s.err_lowpass, s.rel_mse]);
+        let head = format!("{},{},{},{}", row.method, row.spp, row.iterations, row.estimator);
+        let middle =
+            [row.seconds, m.err, row.p_eff, m.err_lowpass, m.mse, m.rel_mse, m.rel_mse_trimmed].map(cell);
+        let bias = [row.energy_bias, row.energy_bias_stderr].map(cell).join(",");
+        format!("{head},{},{bias},{},{}\n", middle.join(","), row.runs, errors.map(cell).join(","))
+    });
+    format!("{COLUMNS}\n{}", lines.collect::<String>())
+}
+
+fn cell(value: f64) -> String {
+    if value.is_finite() { value.to_string() } else { String::new() }
+}
+
+/// The ratios, with what is needed to judge them.
+pub fn ratios(report: &Report) -> String {
+    let width = report.rows.iter().map(|row| row.method.len()).max().unwrap_or(0).max("method".len());
+    let mut text = format!(
+        "{:width$}  {:>5} {:>8} {:>10}   {:<26}   {:<26}  {:>6}   energy bias\n",
+        "", "", "", "", "uniform ÷ method, same spp", "at equal time", ""
+    );
+    let names = format!("{:>8}  {:>8} {:>7}", "Err", "low-pass", "relMSE");
+    text += &format!(
+        "{:width$}  {:>5} {:>8} {:>10}   {names}   {names}  {:>6}\n",
+        "method", "spp", "seconds", "Err", "P-Eff"
+    );
+    for row in report.rows {
+        let find = |list: &[Ratio]| list.iter().find(|r| r.method == row.method && r.spp == row.spp).cloned();
+        let (same, time) = (find(&report.ratios.equal_spp), find(&report.ratios.equal_time));
+        text += &format!(
+            "{:width$}  {:>5} {:>8.3} {:>10}   {}   {}  {:>6}   {:+.3} % ± {:.3}\n",
+            row.method,
+            row.spp,
+            row.seconds,
+            significant(row.measures.err, 4),
+            group(same.as_ref()),
+            group(time.as_ref()),
+            number(same.map_or(f64::NAN, |ratio| ratio.p_eff_gain)),
+            100.0 * row.energy_bias,
+            100.0 * row.energy_bias_stderr,
+        );
+    }
+    if let Some(ratio) = report.oracle_ratio {
+        text += &format!("oracle ratio {ratio:.2}: what known variances would gain in Err at equal spp\n");
+    }
+    text
+}
+
+fn group(ratio: Option<&Ratio>) -> String {
+    let values =
+        ratio.map_or([f64::NAN; 3], |r| [r.measures.err, r.measures.err_lowpass, r.measures.rel_mse]);
+    let [err, lowpass, relative] = values.map(number);
+    format!("{err:>8}  {lowpass:>8} {relative:>7}")
+}
+
+/// A ratio with as many digits as can mean something.
+pub fn number(value: f64) -> String {
+    match value {
+        value if !value.is_finite() => "–".into(),
+        value if value.abs() < 9.95 => format!("{value:.2}"),
+        value => format!("{value:.1}"),
+    }
+}
+
+/// A number with so many significant digits, and an exponent only if it is very large or small.
+pub fn significant(value: f64, digits: usize) -> String {
+    let precision = digits.saturating_sub(1);
+    let scientific = format!("{value:.precision$e}");
+    let exponent = scientific.split_once('e').and_then(|(_, exponent)| exponent.parse::<i32>().ok());
+    match exponent {
+        None => "–".into(),
+        Some(exponent @ -3..=5) => format!("{value:.*}", (precision as i32 - exponent).max(0) as usize),
+        Some(_) => scientific,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_the_digits_that_were_asked_for() {
+        for (value, digits, text) in [
+            (50.6449, 4, "50.64"),
+            (0.001, 1, "0.001"),
+            (0.099_999, 2, "0.10"),
+            (0.000_123, 2, "1.2e-4"),
+            (20.0, 1, "20"),
+            (123_456.0, 3, "123456"),
+            (f64::NAN, 3, "–"),
+        ] {
+            assert_eq!(significant(value, digits), text);
+        }
+    }
+
+    #[test]
+    fn ratios_that_are_not_known_are_dashes() {
+        assert_eq!([2.345, 12.34, f64::NAN, f64::INFINITY].map(number), ["2.35", "12.3", "–", "–"]);
+    }
+}
