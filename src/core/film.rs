@@ -13,7 +13,7 @@ pub(crate) mod window;
 pub use layout::{Layout, MAX_SIDE, TILE, Tile};
 
 /// Words and floats the film lends from the caller, a pixel.
-pub(crate) const WORDS: usize = 4;
+pub(crate) const WORDS: usize = 3;
 /// See [`WORDS`].
 pub(crate) const FLOATS: usize = 8;
 /// What a pixel costs in lent memory.
@@ -24,8 +24,6 @@ pub const BYTES_PER_PIXEL: usize = 4 * (WORDS + FLOATS);
 pub(crate) struct Planes<'a> {
     /// Samples in `mean`.
     pub count: &'a mut [u32],
-    /// Degrees of freedom of `m2`, plus one; 0 where nothing is known.
-    pub groups: &'a mut [u32],
     /// Samples drawn so far, rejected ones included: where the pixel's sequence goes on.
     pub drawn: &'a mut [u32],
     /// Samples planned for the current iteration.
@@ -48,7 +46,6 @@ impl<'a> Planes<'a> {
         let mut float = || floats.next();
         Some(Planes {
             count: words.next()?,
-            groups: words.next()?,
             drawn: words.next()?,
             planned: words.next()?,
             mean: [float()?, float()?, float()?],
@@ -63,7 +60,6 @@ impl<'a> Planes<'a> {
         let f = || &mut [][..];
         Planes {
             count: &mut [],
-            groups: &mut [],
             drawn: &mut [],
             planned: &mut [],
             mean: [f(), f(), f()],
@@ -77,7 +73,6 @@ impl<'a> Planes<'a> {
     pub fn reborrow(&mut self) -> Planes<'_> {
         Planes {
             count: self.count,
-            groups: self.groups,
             drawn: self.drawn,
             planned: self.planned,
             mean: self.mean.each_mut().map(|p| &mut **p),
@@ -90,7 +85,6 @@ impl<'a> Planes<'a> {
     /// The first `at` pixels, and the rest.
     pub fn split_at(self, at: usize) -> (Self, Self) {
         let (count, count_) = self.count.split_at_mut(at);
-        let (groups, groups_) = self.groups.split_at_mut(at);
         let (drawn, drawn_) = self.drawn.split_at_mut(at);
         let (planned, planned_) = self.planned.split_at_mut(at);
         let (m2, m2_) = self.m2.split_at_mut(at);
@@ -98,10 +92,9 @@ impl<'a> Planes<'a> {
         let (mean, mean_) = split_colours(self.mean, at);
         let (sum, sum_) = split_colours(self.sum, at);
         (
-            Planes { count, groups, drawn, planned, mean, m2, sum, target },
+            Planes { count, drawn, planned, mean, m2, sum, target },
             Planes {
                 count: count_,
-                groups: groups_,
                 drawn: drawn_,
                 planned: planned_,
                 mean: mean_,
@@ -119,18 +112,14 @@ impl<'a> Planes<'a> {
     }
 
     /// Merges an iteration's samples into pixel `i`.
-    ///
-    /// `within` says whether their own scatter counts, or only the deviation of their mean, as one group.
     #[inline]
-    pub fn merge(&mut self, i: usize, new: &Moments, within: bool) {
+    pub fn merge(&mut self, i: usize, new: &Moments) {
         if new.count == 0 {
             return;
         }
         let old = Moments { count: self.count[i], mean: self.mean_at(i), m2: self.m2[i] };
-        let scatter = if within { *new } else { Moments { m2: 0.0, ..*new } };
-        let all = old.merged(&scatter);
+        let all = old.merged(new);
         self.count[i] = all.count;
-        self.groups[i] = self.groups[i].saturating_add(if within { new.count } else { 1 });
         self.m2[i] = all.m2;
         for c in 0..3 {
             self.mean[c][i] = all.mean[c];

@@ -76,7 +76,7 @@ impl Kernel {
     fn adapt_tile(&self, layout: &Layout, tile: &Tile, planes: &mut Planes<'_>) {
         let around = Around::new(layout, tile);
         let m2 = around.load(planes.m2, |m2| m2);
-        let freedom = around.load(planes.groups, |n| n.saturating_sub(1) as f32);
+        let freedom = around.load(planes.count, |n| n.saturating_sub(1) as f32);
         let known = around.load(planes.count, |n| f32::from(u8::from(n > 0)));
         let light = block_luminance(&planes.mean.each_ref().map(|mean| around.load(mean, |mean| mean)));
         for y in 0..tile.height as usize {

@@ -57,8 +57,6 @@ pub(super) struct Context {
     pub sequence: Sequence,
     pub iteration: u32,
     pub estimator: Estimator,
-    /// Whether the scatter inside the iteration counts as variance.
-    pub within: bool,
     /// N_s/|P|.
     pub weight: f32,
 }
@@ -257,7 +255,7 @@ impl<'a> Job<'a> {
     fn finish_pixel(&mut self) {
         let i = self.pixel;
         self.context.estimator.arrive(&mut self.planes, i, &self.partial, self.context.weight);
-        self.planes.merge(i, &self.partial, self.context.within);
+        self.planes.merge(i, &self.partial);
         self.planes.drawn[i] = self.planes.drawn[i].wrapping_add(self.taken);
         (self.pixel, self.taken, self.partial) = (i + 1, 0, Moments::default());
     }
