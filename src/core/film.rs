@@ -32,8 +32,8 @@ pub(crate) struct Planes<'a> {
     pub mean: [&'a mut [f32]; 3],
     /// Sum of squared deviations of luminance from its mean.
     pub m2: &'a mut [f32],
-    /// Weighted sum over iterations of what the estimator needs besides `mean`, a plane a colour.
-    pub sum: [&'a mut [f32]; 3],
+    /// What the estimator has beyond `mean`, weighted, a plane a colour.
+    pub excess: [&'a mut [f32]; 3],
     /// Samples expected of the current iteration; while the kernel adapts, its weight.
     pub target: &'a mut [f32],
 }
@@ -50,7 +50,7 @@ impl<'a> Planes<'a> {
             planned: words.next()?,
             mean: [float()?, float()?, float()?],
             m2: float()?,
-            sum: [float()?, float()?, float()?],
+            excess: [float()?, float()?, float()?],
             target: float()?,
         })
     }
@@ -64,7 +64,7 @@ impl<'a> Planes<'a> {
             planned: &mut [],
             mean: [f(), f(), f()],
             m2: f(),
-            sum: [f(), f(), f()],
+            excess: [f(), f(), f()],
             target: f(),
         }
     }
@@ -77,7 +77,7 @@ impl<'a> Planes<'a> {
             planned: self.planned,
             mean: self.mean.each_mut().map(|p| &mut **p),
             m2: self.m2,
-            sum: self.sum.each_mut().map(|p| &mut **p),
+            excess: self.excess.each_mut().map(|p| &mut **p),
             target: self.target,
         }
     }
@@ -90,16 +90,16 @@ impl<'a> Planes<'a> {
         let (m2, m2_) = self.m2.split_at_mut(at);
         let (target, target_) = self.target.split_at_mut(at);
         let (mean, mean_) = split_colours(self.mean, at);
-        let (sum, sum_) = split_colours(self.sum, at);
+        let (excess, excess_) = split_colours(self.excess, at);
         (
-            Planes { count, drawn, planned, mean, m2, sum, target },
+            Planes { count, drawn, planned, mean, m2, excess, target },
             Planes {
                 count: count_,
                 drawn: drawn_,
                 planned: planned_,
                 mean: mean_,
                 m2: m2_,
-                sum: sum_,
+                excess: excess_,
                 target: target_,
             },
         )

@@ -34,7 +34,7 @@
 //! ```
 
 use crate::allocate::{Mixture, allocate};
-use crate::estimate::{self, Estimator, Lanes};
+use crate::estimate::{self, Estimator, Lanes, Weight};
 use crate::film::{FLOATS, Layout, Planes, WORDS};
 use crate::sobol::hash;
 
@@ -140,8 +140,6 @@ impl<'a> Sampler<'a> {
         }
         let offset = hash(hash(hash(!self.settings.seed) ^ self.settings.frame) ^ self.iteration);
         allocate(self.planes.target, self.planes.planned, self.mixture, offset)?;
-        let weight = self.weight(samples);
-        self.settings.estimator.plan(&self.layout, &mut self.planes, weight);
         self.running = true;
         Ok(())
     }
@@ -155,7 +153,10 @@ impl<'a> Sampler<'a> {
             sequence: self.settings.sequence,
             iteration: self.iteration,
             estimator: self.settings.estimator,
-            weight: self.weight(self.mixture.samples),
+            weight: Weight {
+                before: self.weight(self.samples),
+                iteration: self.weight(self.mixture.samples),
+            },
         };
         let tiles = if self.running { self.layout.tiles() } else { 0 };
         Jobs { rest: self.planes.reborrow(), context, next_tile: 0, tiles }
@@ -201,19 +202,13 @@ impl<'a> Sampler<'a> {
             return Err(Error::Output);
         }
         let share = 1.0 / self.weight(self.samples.max(1));
-        let pooled = |i| self.planes.mean_at(i);
-        let other = |i| estimator.value(&self.planes, i, share);
-        if estimator != Estimator::Balanced {
-            self.for_each_colour(out, |i, rgb| *rgb = other(i));
-            return Ok(());
+        let share = if estimator == Estimator::Pooled { 0.0 } else { share };
+        self.for_each_colour(out, |i, rgb| *rgb = [0, 1, 2].map(|c| self.planes.excess[c][i] * share));
+        if estimator == Estimator::Balanced {
+            estimate::smooth(out, width as usize, height as usize, self.settings.balance_radius, scratch);
         }
         self.for_each_colour(out, |i, rgb| {
-            let (difference, pooled) = (other(i), pooled(i));
-            *rgb = [0, 1, 2].map(|c| difference[c] - pooled[c]);
-        });
-        estimate::smooth(out, width as usize, height as usize, self.settings.balance_radius, scratch);
-        self.for_each_colour(out, |i, rgb| {
-            rgb.iter_mut().zip(pooled(i)).for_each(|(sum, pooled)| *sum += pooled)
+            rgb.iter_mut().zip(self.planes.mean_at(i)).for_each(|(sum, mean)| *sum += mean)
         });
         Ok(())
     }

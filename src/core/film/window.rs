@@ -38,7 +38,7 @@ impl Window {
 
 /// Sums over 3 × 3 pixels around the eight pixels that start in row `y` and column `x` of the tile.
 #[inline(always)]
-pub(crate) fn square3(block: &Block, x: usize, y: usize) -> f32x8 {
+fn square3(block: &Block, x: usize, y: usize) -> f32x8 {
     let row = |y: usize| eight(&block[y], x) + eight(&block[y], x + 1) + eight(&block[y], x + 2);
     row(y) + row(y + 1) + row(y + 2)
 }
@@ -115,17 +115,6 @@ pub(crate) fn block_luminance([r, g, b]: &[Block; 3]) -> Block {
         }
     }
     light
-}
-
-/// Reads up to eight values; lanes that are left become 0.
-#[inline(always)]
-pub(crate) fn read8(from: &[f32]) -> f32x8 {
-    let mut lanes = [0.0; 8];
-    match from.first_chunk::<8>() {
-        Some(whole) => lanes = *whole,
-        None => lanes[..from.len()].copy_from_slice(from),
-    }
-    f32x8::from(lanes)
 }
 
 /// Writes as many lanes as there is room for, up to eight.

@@ -2,7 +2,7 @@
 
 use super::settings::{Error, Sequence};
 use crate::batch::{Batch8, Integrand, Rgb8};
-use crate::estimate::Estimator;
+use crate::estimate::{Estimator, Weight};
 use crate::film::{Layout, Moments, Planes, Tile};
 use crate::sobol::{self, hash};
 use wide::{f32x8, u32x8};
@@ -57,8 +57,7 @@ pub(super) struct Context {
     pub sequence: Sequence,
     pub iteration: u32,
     pub estimator: Estimator,
-    /// N_s/|P|.
-    pub weight: f32,
+    pub weight: Weight,
 }
 
 impl Context {
@@ -254,7 +253,7 @@ impl<'a> Job<'a> {
     /// Enters the collected samples of a pixel into the film.
     fn finish_pixel(&mut self) {
         let i = self.pixel;
-        self.context.estimator.arrive(&mut self.planes, i, &self.partial, self.context.weight);
+        self.context.estimator.arrive(&mut self.planes, i, &self.partial, self.taken, self.context.weight);
         self.planes.merge(i, &self.partial);
         self.planes.drawn[i] = self.planes.drawn[i].wrapping_add(self.taken);
         (self.pixel, self.taken, self.partial) = (i + 1, 0, Moments::default());
