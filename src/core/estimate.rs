@@ -16,7 +16,7 @@
 //! estimator and W = Σ_s w_s, w_s = N_s/|P| (samples a pixel, so that sums stay near the size of radiances). An
 //! iteration that leaves a pixel alone adds w·Q to W·E and to W·Q, hence nothing to the plane, and costs nothing.
 
-use crate::film::{Moments, Planes};
+use crate::film::{Moments, Pixel};
 
 mod smooth;
 pub use smooth::{Lanes, MAX_RADIUS};
@@ -47,25 +47,25 @@ impl Estimator {
         other == Estimator::Pooled || plane(self) == plane(other)
     }
 
-    /// Adds the samples `new` out of `taken` to pixel `i`, before they are merged into its mean.
+    /// Adds the samples `new`, the usable ones of `taken`, to a pixel before they are merged into its mean.
     ///
-    /// With c and M the mean of the pixel before and of `new`, W·E grows by w·c + a·(M − c) − b·c, W·Q by
-    /// w·c + (W + w)·(M − c)·(share of `new` in the pixel).
-    #[inline]
-    pub(crate) fn arrive(self, planes: &mut Planes<'_>, i: usize, new: &Moments, taken: u32, weight: Weight) {
+    /// With c the pixel's mean and M that of `new`, W·E grows by w·c + a·(M − c) − b·c, and W·Q by
+    /// w·c + (W + w)·(M − c)·(the part of `new` in all samples).
+    #[inline(always)]
+    pub(crate) fn arrive(self, pixel: &mut Pixel<'_>, new: &Moments, taken: u32, weight: Weight) {
         let (a, b) = match self {
             Estimator::Pooled => return,
             Estimator::Subframe => (weight.iteration, 0.0),
             Estimator::Difference | Estimator::Balanced => {
-                let each = weight.iteration / planes.target[i];
+                let each = weight.iteration / pixel.target;
                 (each * new.count as f32, each * (taken - new.count) as f32)
             }
         };
-        let share = new.count as f32 / planes.count[i].saturating_add(new.count).max(1) as f32;
-        let factor = if new.count > 0 { a - (weight.before + weight.iteration) * share } else { 0.0 };
+        let old = pixel.moments();
+        let factor = a - (weight.before + weight.iteration) * old.share(new);
+        let factor = if new.count > 0 { factor } else { 0.0 };
         for c in 0..3 {
-            let mean = planes.mean[c][i];
-            planes.excess[c][i] += factor * (new.mean[c] - mean) - b * mean;
+            *pixel.excess[c] += factor * (new.mean[c] - old.mean[c]) - b * old.mean[c];
         }
     }
 }

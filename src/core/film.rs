@@ -111,19 +111,47 @@ impl<'a> Planes<'a> {
         [self.mean[0][i], self.mean[1][i], self.mean[2][i]]
     }
 
-    /// Merges an iteration's samples into pixel `i`.
-    #[inline]
-    pub fn merge(&mut self, i: usize, new: &Moments) {
-        if new.count == 0 {
-            return;
+    /// What samples change, of pixel `i`: every plane is indexed once.
+    #[inline(always)]
+    pub fn pixel(&mut self, i: usize) -> Pixel<'_> {
+        Pixel {
+            count: &mut self.count[i],
+            drawn: &mut self.drawn[i],
+            mean: self.mean.each_mut().map(|plane| &mut plane[i]),
+            m2: &mut self.m2[i],
+            excess: self.excess.each_mut().map(|plane| &mut plane[i]),
+            target: self.target[i],
         }
-        let old = Moments { count: self.count[i], mean: self.mean_at(i), m2: self.m2[i] };
-        let all = old.merged(new);
-        self.count[i] = all.count;
-        self.m2[i] = all.m2;
-        for c in 0..3 {
-            self.mean[c][i] = all.mean[c];
-        }
+    }
+}
+
+/// A pixel of [`Planes`].
+pub(crate) struct Pixel<'a> {
+    count: &'a mut u32,
+    drawn: &'a mut u32,
+    mean: [&'a mut f32; 3],
+    m2: &'a mut f32,
+    /// See [`Planes::excess`].
+    pub excess: [&'a mut f32; 3],
+    /// See [`Planes::target`].
+    pub target: f32,
+}
+
+impl Pixel<'_> {
+    /// What is known of the pixel.
+    #[inline(always)]
+    pub fn moments(&self) -> Moments {
+        Moments { count: *self.count, mean: self.mean.each_ref().map(|mean| **mean), m2: *self.m2 }
+    }
+
+    /// Merges the samples `new`, the usable ones of `taken`.
+    #[inline(always)]
+    pub fn merge(self, new: &Moments, taken: u32) {
+        let all = self.moments().merged(new);
+        *self.drawn = self.drawn.wrapping_add(taken);
+        *self.count = all.count;
+        *self.m2 = all.m2;
+        self.mean.into_iter().zip(all.mean).for_each(|(mean, new)| *mean = new);
     }
 }
 
@@ -165,22 +193,23 @@ impl Moments {
         self.m2 += d * d * (1.0 - share);
     }
 
+    /// The part `other` has in the samples of both.
+    #[inline(always)]
+    pub fn share(&self, other: &Moments) -> f32 {
+        other.count as f32 / self.count.saturating_add(other.count).max(1) as f32
+    }
+
     /// The moments of both sets of samples together (Chan).
-    #[inline]
+    #[inline(always)]
     pub fn merged(&self, other: &Moments) -> Moments {
-        let count = self.count.saturating_add(other.count);
-        if count == 0 {
-            return Moments::default();
-        }
-        let share = other.count as f32 / count as f32;
-        let mut mean = self.mean;
-        let mut delta = [0.0; 3];
-        for c in 0..3 {
-            delta[c] = other.mean[c] - self.mean[c];
-            mean[c] += delta[c] * share;
-        }
+        let share = self.share(other);
+        let delta = [0, 1, 2].map(|c| other.mean[c] - self.mean[c]);
         let d = luminance(delta);
-        Moments { count, mean, m2: self.m2 + other.m2 + d * d * (self.count as f32 * share) }
+        Moments {
+            count: self.count.saturating_add(other.count),
+            mean: [0, 1, 2].map(|c| self.mean[c] + delta[c] * share),
+            m2: self.m2 + other.m2 + d * d * (self.count as f32 * share),
+        }
     }
 }
 

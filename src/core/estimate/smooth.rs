@@ -62,11 +62,19 @@ fn smooth_columns(
     radius: u32,
 ) {
     for (lanes, row) in line.iter_mut().zip(rgb.chunks_exact(stride)) {
-        lanes.iter_mut().zip(&row[columns.clone()]).for_each(|(lane, value)| *lane = *value);
+        let row = &row[columns.clone()];
+        match row.first_chunk() {
+            Some(whole) => *lanes = *whole,
+            None => lanes[..row.len()].copy_from_slice(row),
+        }
     }
     boxes(line, spare, radius);
     for (lanes, row) in spare.iter().zip(rgb.chunks_exact_mut(stride)) {
-        row[columns.clone()].iter_mut().zip(lanes).for_each(|(value, lane)| *value = *lane);
+        let row = &mut row[columns.clone()];
+        match row.first_chunk_mut() {
+            Some(whole) => *whole = *lanes,
+            None => row.copy_from_slice(&lanes[..row.len()]),
+        }
     }
 }
 
