@@ -26,7 +26,7 @@
 //!     }
 //!     sampler.end()?;
 //! }
-//! let (mut rgb, mut scratch) = ([0.0; 3 * 64], [[0.0; 16]; 16]);
+//! let (mut rgb, mut scratch) = ([0.0; 3 * 64], [[0.0; 16]; 40]); // as Sampler::resolve_scratch(8, 8) says
 //! sampler.resolve(sampler.settings().estimator, &mut scratch, &mut rgb)?;
 //! assert!((rgb[0] - 0.5).abs() < 0.2);
 //! # Ok(())
