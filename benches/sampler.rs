@@ -63,6 +63,36 @@ fn frame(c: &mut Criterion) {
     }
 }
 
+/// What [`Sampler::begin`] and [`Sampler::resolve`] read and write, and nothing computed: the bound of memory.
+fn plain(c: &mut Criterion) {
+    let mut group = c.benchmark_group("sampler");
+    group.throughput(Throughput::Elements(PIXELS)).sample_size(10);
+    let plane = || vec![1.0f32; PIXELS as usize];
+    let (read, mut written) = ([(); 8].map(|()| plane()), [(); 2].map(|()| plane()));
+    let mut rgb = vec![[0.0; 3]; PIXELS as usize];
+    group.bench_function("plain-pass/1920x1080", |b| {
+        b.iter(|| {
+            begin_bytes(&read, &mut written);
+            resolve_bytes(&read, black_box(&mut rgb));
+        });
+    });
+}
+
+/// Count, mean and squared deviations in; target and planned count out.
+fn begin_bytes([count, r, g, b, m2, ..]: &[Vec<f32>; 8], [target, planned]: &mut [Vec<f32>; 2]) {
+    for i in 0..count.len() {
+        target[i] = count[i] + m2[i];
+        planned[i] = r[i] + g[i] + b[i];
+    }
+}
+
+/// Mean and excess in, the picture out.
+fn resolve_bytes([_, r, g, b, _, x, y, z]: &[Vec<f32>; 8], rgb: &mut [[f32; 3]]) {
+    for (i, rgb) in rgb.iter_mut().enumerate() {
+        *rgb = [r[i] + x[i], g[i] + y[i], b[i] + z[i]];
+    }
+}
+
 fn counts(c: &mut Criterion) {
     let mut group = c.benchmark_group("allocate");
     group.throughput(Throughput::Elements(PIXELS)).sample_size(10);
@@ -88,5 +118,5 @@ fn packets(c: &mut Criterion) {
     });
 }
 
-criterion_group!(benches, frame, counts, packets);
+criterion_group!(benches, frame, plain, counts, packets);
 criterion_main!(benches);

@@ -3,9 +3,7 @@
 use pmcip_core::batch::{Batch8, Integrand, Rgb8};
 use pmcip_core::estimate::Estimator;
 use pmcip_core::film::BYTES_PER_PIXEL;
-use pmcip_core::sampler::{
-    Error, Job, Memory, Sampler, Schedule, Sequence, Settings, Spread, Tally, Workspace,
-};
+use pmcip_core::sampler::{Error, Job, Memory, Sampler, Schedule, Sequence, Settings, Tally, Workspace};
 use wide::f32x8;
 
 /// A disc of noise on a calm slope.
@@ -130,10 +128,8 @@ fn every_size_and_variant_works() {
         for settings in
             [Settings::new(width, height), Settings::paper(width, height), Settings::uniform(width, height)]
         {
-            for (sequence, spread) in
-                [(Sequence::Fresh, Spread::Samples), (Sequence::Continued, Spread::Iterations)]
-            {
-                let (values, _) = outcome(Settings { sequence, spread, ..settings }, |jobs| {
+            for sequence in [Sequence::Fresh, Sequence::Continued] {
+                let (values, _) = outcome(Settings { sequence, ..settings }, |jobs| {
                     jobs.into_iter().for_each(|mut job| {
                         render(&mut job, 9);
                     });

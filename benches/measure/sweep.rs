@@ -8,7 +8,7 @@ mod study;
 use pmcip::settings::{Method, Settings};
 use pmcip_core::estimate::Estimator;
 use pmcip_core::kernel::{Criterion, Window};
-use pmcip_core::sampler::{Sequence, Spread};
+use pmcip_core::sampler::Sequence;
 use study::Study;
 
 /// A change to the default settings, by name.
@@ -41,7 +41,6 @@ fn variants(spp: u32) -> Vec<Variant> {
     for radius in [6, 12, 36] {
         add(format!("balance radius {radius}"), Box::new(move |s| s.sampler.balance_radius = radius));
     }
-    add("σ² of iterations".into(), Box::new(|s| s.sampler.spread = Spread::Iterations));
     add("fresh sequences".into(), Box::new(|s| s.sampler.sequence = Sequence::Fresh));
     for (name, estimator) in [
         ("pooled", Estimator::Pooled),

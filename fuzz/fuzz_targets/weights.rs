@@ -6,8 +6,8 @@ use arbitrary::Arbitrary;
 use libfuzzer_sys::fuzz_target;
 use pmcip_core::batch::{Batch8, Integrand, Rgb8};
 use pmcip_core::estimate::Estimator;
-use pmcip_core::kernel::{Kernel, Window};
-use pmcip_core::sampler::{Memory, Sampler, Sequence, Settings, Spread, Workspace};
+use pmcip_core::kernel::{Criterion, Kernel, Window};
+use pmcip_core::sampler::{Memory, Sampler, Sequence, Settings, Workspace};
 use wide::f32x8;
 
 #[derive(Arbitrary, Debug)]
@@ -20,7 +20,7 @@ struct Input {
     floor: f32,
     cd_per_unit: f32,
     pixel: bool,
-    iterations: bool,
+    mean: bool,
     fresh: bool,
     estimator: u8,
     radius: u16,
@@ -56,7 +56,7 @@ fn settings(input: &Input) -> Settings {
         floor: input.floor,
         cd_per_unit: input.cd_per_unit,
         window: if input.pixel { Window::Pixel } else { Window::Square3 },
-        spread: if input.iterations { Spread::Iterations } else { Spread::Samples },
+        criterion: if input.mean { Criterion::Mean } else { Criterion::Sample },
         sequence: if input.fresh { Sequence::Fresh } else { Sequence::Continued },
         estimator: estimators[usize::from(input.estimator % 4)],
         balance_radius: u32::from(input.radius % 100),
@@ -94,7 +94,12 @@ fuzz_target!(|input: Input| {
     sampler.resolve(settings.estimator, &mut scratch, &mut rgb).expect("right lengths");
     assert!(rgb.iter().all(|v| v.is_finite()));
 
-    let kernel = Kernel { criterion: settings.criterion, gamma: settings.gamma, window: settings.window, cd_per_unit: settings.cd_per_unit };
+    let kernel = Kernel {
+        criterion: settings.criterion,
+        gamma: settings.gamma,
+        window: settings.window,
+        cd_per_unit: settings.cd_per_unit,
+    };
     let weight = kernel.weight(integrand.eight(), integrand.eight());
     assert!(weight.to_array().iter().all(|w| w.is_finite() && *w >= 0.0));
 });

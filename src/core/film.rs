@@ -13,7 +13,7 @@ pub(crate) mod window;
 pub use layout::{Layout, MAX_SIDE, TILE, Tile};
 
 /// Words and floats the film lends from the caller, a pixel.
-pub(crate) const WORDS: usize = 4;
+pub(crate) const WORDS: usize = 3;
 /// See [`WORDS`].
 pub(crate) const FLOATS: usize = 8;
 /// What a pixel costs in lent memory.
@@ -24,8 +24,6 @@ pub const BYTES_PER_PIXEL: usize = 4 * (WORDS + FLOATS);
 pub(crate) struct Planes<'a> {
     /// Samples in `mean`.
     pub count: &'a mut [u32],
-    /// Degrees of freedom of `m2`, plus one; 0 where nothing is known.
-    pub groups: &'a mut [u32],
     /// Samples drawn so far, rejected ones included: where the pixel's sequence goes on.
     pub drawn: &'a mut [u32],
     /// Samples planned for the current iteration.
@@ -34,8 +32,8 @@ pub(crate) struct Planes<'a> {
     pub mean: [&'a mut [f32]; 3],
     /// Sum of squared deviations of luminance from its mean.
     pub m2: &'a mut [f32],
-    /// Weighted sum over iterations of what the estimator needs besides `mean`, a plane a colour.
-    pub sum: [&'a mut [f32]; 3],
+    /// What the estimator has beyond `mean`, weighted, a plane a colour.
+    pub excess: [&'a mut [f32]; 3],
     /// Samples expected of the current iteration; while the kernel adapts, its weight.
     pub target: &'a mut [f32],
 }
@@ -48,12 +46,11 @@ impl<'a> Planes<'a> {
         let mut float = || floats.next();
         Some(Planes {
             count: words.next()?,
-            groups: words.next()?,
             drawn: words.next()?,
             planned: words.next()?,
             mean: [float()?, float()?, float()?],
             m2: float()?,
-            sum: [float()?, float()?, float()?],
+            excess: [float()?, float()?, float()?],
             target: float()?,
         })
     }
@@ -63,12 +60,11 @@ impl<'a> Planes<'a> {
         let f = || &mut [][..];
         Planes {
             count: &mut [],
-            groups: &mut [],
             drawn: &mut [],
             planned: &mut [],
             mean: [f(), f(), f()],
             m2: f(),
-            sum: [f(), f(), f()],
+            excess: [f(), f(), f()],
             target: f(),
         }
     }
@@ -77,12 +73,11 @@ impl<'a> Planes<'a> {
     pub fn reborrow(&mut self) -> Planes<'_> {
         Planes {
             count: self.count,
-            groups: self.groups,
             drawn: self.drawn,
             planned: self.planned,
             mean: self.mean.each_mut().map(|p| &mut **p),
             m2: self.m2,
-            sum: self.sum.each_mut().map(|p| &mut **p),
+            excess: self.excess.each_mut().map(|p| &mut **p),
             target: self.target,
         }
     }
@@ -90,23 +85,21 @@ impl<'a> Planes<'a> {
     /// The first `at` pixels, and the rest.
     pub fn split_at(self, at: usize) -> (Self, Self) {
         let (count, count_) = self.count.split_at_mut(at);
-        let (groups, groups_) = self.groups.split_at_mut(at);
         let (drawn, drawn_) = self.drawn.split_at_mut(at);
         let (planned, planned_) = self.planned.split_at_mut(at);
         let (m2, m2_) = self.m2.split_at_mut(at);
         let (target, target_) = self.target.split_at_mut(at);
         let (mean, mean_) = split_colours(self.mean, at);
-        let (sum, sum_) = split_colours(self.sum, at);
+        let (excess, excess_) = split_colours(self.excess, at);
         (
-            Planes { count, groups, drawn, planned, mean, m2, sum, target },
+            Planes { count, drawn, planned, mean, m2, excess, target },
             Planes {
                 count: count_,
-                groups: groups_,
                 drawn: drawn_,
                 planned: planned_,
                 mean: mean_,
                 m2: m2_,
-                sum: sum_,
+                excess: excess_,
                 target: target_,
             },
         )
@@ -118,23 +111,47 @@ impl<'a> Planes<'a> {
         [self.mean[0][i], self.mean[1][i], self.mean[2][i]]
     }
 
-    /// Merges an iteration's samples into pixel `i`.
-    ///
-    /// `within` says whether their own scatter counts, or only the deviation of their mean, as one group.
-    #[inline]
-    pub fn merge(&mut self, i: usize, new: &Moments, within: bool) {
-        if new.count == 0 {
-            return;
+    /// What samples change, of pixel `i`: every plane is indexed once.
+    #[inline(always)]
+    pub fn pixel(&mut self, i: usize) -> Pixel<'_> {
+        Pixel {
+            count: &mut self.count[i],
+            drawn: &mut self.drawn[i],
+            mean: self.mean.each_mut().map(|plane| &mut plane[i]),
+            m2: &mut self.m2[i],
+            excess: self.excess.each_mut().map(|plane| &mut plane[i]),
+            target: self.target[i],
         }
-        let old = Moments { count: self.count[i], mean: self.mean_at(i), m2: self.m2[i] };
-        let scatter = if within { *new } else { Moments { m2: 0.0, ..*new } };
-        let all = old.merged(&scatter);
-        self.count[i] = all.count;
-        self.groups[i] = self.groups[i].saturating_add(if within { new.count } else { 1 });
-        self.m2[i] = all.m2;
-        for c in 0..3 {
-            self.mean[c][i] = all.mean[c];
-        }
+    }
+}
+
+/// A pixel of [`Planes`].
+pub(crate) struct Pixel<'a> {
+    count: &'a mut u32,
+    drawn: &'a mut u32,
+    mean: [&'a mut f32; 3],
+    m2: &'a mut f32,
+    /// See [`Planes::excess`].
+    pub excess: [&'a mut f32; 3],
+    /// See [`Planes::target`].
+    pub target: f32,
+}
+
+impl Pixel<'_> {
+    /// What is known of the pixel.
+    #[inline(always)]
+    pub fn moments(&self) -> Moments {
+        Moments { count: *self.count, mean: self.mean.each_ref().map(|mean| **mean), m2: *self.m2 }
+    }
+
+    /// Merges the samples `new`, the usable ones of `taken`.
+    #[inline(always)]
+    pub fn merge(self, new: &Moments, taken: u32) {
+        let all = self.moments().merged(new);
+        *self.drawn = self.drawn.wrapping_add(taken);
+        *self.count = all.count;
+        *self.m2 = all.m2;
+        self.mean.into_iter().zip(all.mean).for_each(|(mean, new)| *mean = new);
     }
 }
 
@@ -176,22 +193,23 @@ impl Moments {
         self.m2 += d * d * (1.0 - share);
     }
 
+    /// The part `other` has in the samples of both.
+    #[inline(always)]
+    pub fn share(&self, other: &Moments) -> f32 {
+        other.count as f32 / self.count.saturating_add(other.count).max(1) as f32
+    }
+
     /// The moments of both sets of samples together (Chan).
-    #[inline]
+    #[inline(always)]
     pub fn merged(&self, other: &Moments) -> Moments {
-        let count = self.count.saturating_add(other.count);
-        if count == 0 {
-            return Moments::default();
-        }
-        let share = other.count as f32 / count as f32;
-        let mut mean = self.mean;
-        let mut delta = [0.0; 3];
-        for c in 0..3 {
-            delta[c] = other.mean[c] - self.mean[c];
-            mean[c] += delta[c] * share;
-        }
+        let share = self.share(other);
+        let delta = [0, 1, 2].map(|c| other.mean[c] - self.mean[c]);
         let d = luminance(delta);
-        Moments { count, mean, m2: self.m2 + other.m2 + d * d * (self.count as f32 * share) }
+        Moments {
+            count: self.count.saturating_add(other.count),
+            mean: [0, 1, 2].map(|c| self.mean[c] + delta[c] * share),
+            m2: self.m2 + other.m2 + d * d * (self.count as f32 * share),
+        }
     }
 }
 

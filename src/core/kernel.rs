@@ -9,8 +9,8 @@
 //! Where a window has no degree of freedom nothing is known of its variance, and the weight is
 //! [`UNKNOWN`], which [`allocate`](crate::allocate::allocate) takes for the mean of all others.
 
-use crate::film::window::{Around, block_luminance, write8};
-use crate::film::{Layout, Planes, Tile};
+use crate::film::window::{Around, Inner, combine, inner, read8, write8};
+use crate::film::{Layout, Planes, Tile, luminance};
 use crate::math::{exp2, log2};
 use crate::tvi::log2_tvi;
 use wide::f32x8;
@@ -56,16 +56,6 @@ impl Kernel {
         variance.simd_gt(f32x8::ZERO) & exp2(f32x8::splat(self.gamma) * ratio)
     }
 
-    /// What divides the variance of a sample of up to eight pixels with these counts.
-    #[inline(always)]
-    fn divisor(&self, count: &[u32]) -> f32x8 {
-        let mut lanes = [1.0; 8];
-        if self.criterion == Criterion::Mean {
-            lanes.iter_mut().zip(count).for_each(|(lane, n)| *lane = (*n).max(1) as f32);
-        }
-        f32x8::from(lanes)
-    }
-
     /// Writes every pixel's weight into the plane `target`.
     pub(crate) fn adapt(&self, layout: &Layout, planes: &mut Planes<'_>) {
         for tile in (0..layout.tiles()).map(|t| layout.tile(t)) {
@@ -75,18 +65,21 @@ impl Kernel {
 
     fn adapt_tile(&self, layout: &Layout, tile: &Tile, planes: &mut Planes<'_>) {
         let around = Around::new(layout, tile);
-        let m2 = around.load(planes.m2, |m2| m2);
-        let freedom = around.load(planes.groups, |n| n.saturating_sub(1) as f32);
-        let known = around.load(planes.count, |n| f32::from(u8::from(n > 0)));
-        let light = block_luminance(&planes.mean.each_ref().map(|mean| around.load(mean, |mean| mean)));
+        let light = planes.mean.each_ref().map(|mean| around.load(mean, |mean| mean));
+        let light = combine(light.each_ref(), luminance);
+        let count = around.load(planes.count, |n| n.min(i32::MAX as u32) as i32 as f32);
+        let known = combine([&count], |[n]| n.min(1.0));
+        let m2 = self.window.sums(&around.load(planes.m2, |m2| m2));
+        let (samples, known) = (self.window.sums(&count), self.window.sums(&known));
+        let (light, spent) = (self.window.sums(&light), inner(&count));
         for y in 0..tile.height as usize {
-            let row = tile.row(y as u32);
-            let spent = planes.count[row.clone()].chunks(8);
-            for ((x, out), spent) in (0..).step_by(8).zip(planes.target[row].chunks_mut(8)).zip(spent) {
-                let sum = |block| self.window.sum(block, x, y);
-                let freedom = sum(&freedom);
-                let variance = sum(&m2) / (freedom * self.divisor(spent));
-                let weight = self.weight(variance, sum(&light) / sum(&known));
+            let out = planes.target[tile.row(y as u32)].chunks_mut(8);
+            for (out, x) in out.zip([0, 8]) {
+                let eight = |inner: &Inner| read8(&inner[y], x);
+                let (known, spent) = (eight(&known), eight(&spent).fast_max(f32x8::ONE));
+                let freedom = eight(&samples) - known;
+                let divisor = if self.criterion == Criterion::Mean { freedom * spent } else { freedom };
+                let weight = self.weight(eight(&m2) / divisor, eight(&light) / known);
                 write8(out, freedom.simd_gt(f32x8::ZERO).bitselect(weight, f32x8::splat(UNKNOWN)));
             }
         }

@@ -15,7 +15,7 @@
 //! }
 //!
 //! # fn main() -> Result<(), pmcip_core::sampler::Error> {
-//! let (mut floats, mut words) = ([0.0; 8 * 64], [0; 4 * 64]); // as Sampler::required(8, 8) says
+//! let (mut floats, mut words) = ([0.0; 8 * 64], [0; 3 * 64]); // as Sampler::required(8, 8) says
 //! let mut sampler = Sampler::new(Settings::new(8, 8), Memory { floats: &mut floats, words: &mut words })?;
 //! let (mut batches, mut radiance) = ([Batch8::default(); 16], [Rgb8::default(); 16]);
 //! let mut work = Workspace::new(&mut batches, &mut radiance)?;
@@ -26,7 +26,7 @@
 //!     }
 //!     sampler.end()?;
 //! }
-//! let (mut rgb, mut scratch) = ([0.0; 3 * 64], [[0.0; 16]; 16]);
+//! let (mut rgb, mut scratch) = ([0.0; 3 * 64], [[0.0; 16]; 40]); // as Sampler::resolve_scratch(8, 8) says
 //! sampler.resolve(sampler.settings().estimator, &mut scratch, &mut rgb)?;
 //! assert!((rgb[0] - 0.5).abs() < 0.2);
 //! # Ok(())
@@ -34,7 +34,7 @@
 //! ```
 
 use crate::allocate::{Mixture, allocate};
-use crate::estimate::{self, Estimator, Lanes};
+use crate::estimate::{self, Estimator, Lanes, Weight};
 use crate::film::{FLOATS, Layout, Planes, WORDS};
 use crate::sobol::hash;
 
@@ -43,7 +43,7 @@ mod schedule;
 mod settings;
 pub use job::{Job, Jobs, MAX_RADIANCE, Tally, Workspace};
 pub use schedule::Schedule;
-pub use settings::{Error, Mode, Sequence, Settings, Spread};
+pub use settings::{Error, Mode, Sequence, Settings};
 
 /// Memory lent to a sampler for its film. What it holds before does not matter.
 #[derive(Debug)]
@@ -79,7 +79,7 @@ pub struct Sampler<'a> {
 }
 
 impl<'a> Sampler<'a> {
-    /// How much memory a film of this size takes: 48 bytes a pixel.
+    /// How much memory a film of this size takes: 44 bytes a pixel.
     pub fn required(width: u32, height: u32) -> Required {
         let pixels = (width as usize).saturating_mul(height as usize);
         Required { floats: FLOATS.saturating_mul(pixels), words: WORDS.saturating_mul(pixels) }
@@ -140,8 +140,6 @@ impl<'a> Sampler<'a> {
         }
         let offset = hash(hash(hash(!self.settings.seed) ^ self.settings.frame) ^ self.iteration);
         allocate(self.planes.target, self.planes.planned, self.mixture, offset)?;
-        let weight = self.weight(samples);
-        self.settings.estimator.plan(&self.layout, &mut self.planes, weight);
         self.running = true;
         Ok(())
     }
@@ -155,8 +153,10 @@ impl<'a> Sampler<'a> {
             sequence: self.settings.sequence,
             iteration: self.iteration,
             estimator: self.settings.estimator,
-            within: self.settings.spread == Spread::Samples || self.iteration == 0,
-            weight: self.weight(self.mixture.samples),
+            weight: Weight {
+                before: self.weight(self.samples),
+                iteration: self.weight(self.mixture.samples),
+            },
         };
         let tiles = if self.running { self.layout.tiles() } else { 0 };
         Jobs { rest: self.planes.reborrow(), context, next_tile: 0, tiles }
@@ -202,19 +202,13 @@ impl<'a> Sampler<'a> {
             return Err(Error::Output);
         }
         let share = 1.0 / self.weight(self.samples.max(1));
-        let pooled = |i| self.planes.mean_at(i);
-        let other = |i| estimator.value(&self.planes, i, share);
-        if estimator != Estimator::Balanced {
-            self.for_each_colour(out, |i, rgb| *rgb = other(i));
-            return Ok(());
+        let share = if estimator == Estimator::Pooled { 0.0 } else { share };
+        self.for_each_colour(out, |i, rgb| *rgb = [0, 1, 2].map(|c| self.planes.excess[c][i] * share));
+        if estimator == Estimator::Balanced {
+            estimate::smooth(out, width as usize, height as usize, self.settings.balance_radius, scratch);
         }
         self.for_each_colour(out, |i, rgb| {
-            let (difference, pooled) = (other(i), pooled(i));
-            *rgb = [0, 1, 2].map(|c| difference[c] - pooled[c]);
-        });
-        estimate::smooth(out, width as usize, height as usize, self.settings.balance_radius, scratch);
-        self.for_each_colour(out, |i, rgb| {
-            rgb.iter_mut().zip(pooled(i)).for_each(|(sum, pooled)| *sum += pooled)
+            rgb.iter_mut().zip(self.planes.mean_at(i)).for_each(|(sum, mean)| *sum += mean)
         });
         Ok(())
     }
@@ -230,15 +224,15 @@ impl<'a> Sampler<'a> {
 
     /// Writes the variance of every pixel's mean luminance, as far as its own samples know it, row by row.
     ///
-    /// 0 where there are fewer than two samples (or iterations, for [`Spread::Iterations`]).
+    /// 0 where there are fewer than two samples.
     ///
     /// # Errors
     /// If `out` is not as long as the picture has pixels.
     pub fn variance(&self, out: &mut [f32]) -> Result<(), Error> {
         let planes = &self.planes;
-        self.read_out(out, |i| match planes.groups[i] {
+        self.read_out(out, |i| match planes.count[i] {
             0 | 1 => 0.0,
-            groups => planes.m2[i] / ((groups - 1) as f32 * planes.count[i] as f32),
+            n => planes.m2[i] / ((n - 1) as f32 * n as f32),
         })
     }
 

@@ -2,7 +2,7 @@
 //!
 //! The core divides an iteration into jobs that touch disjoint parts of the film. Each thread takes the next one
 //! until none is left; which thread takes which does not matter, so a frame has the same bits for any number of
-//! threads. Memory: 48 bytes a pixel for the film, 24 for the result, and a scratch area for each thread.
+//! threads. Memory: 44 bytes a pixel for the film, 24 for the result, and a scratch area for each thread.
 
 use crate::error::Error;
 use crate::frame_io::Picture;

@@ -168,7 +168,6 @@ impl Settings {
             "floor": short(core.floor),
             "window": word(core.window),
             "sequence": word(core.sequence),
-            "spread": word(core.spread),
             "balance_radius": core.balance_radius,
             "cd_per_unit": short(core.cd_per_unit),
             "integrator": "path",

@@ -11,29 +11,25 @@ pub type Lanes = [f32; LANES];
 const LANES: usize = 16;
 /// Pixels at a position of a row.
 const ROWS: usize = LANES / 3;
+/// Lines of columns that are copied at once: longer pieces of every row, fewer waits for memory.
+const STRIP: usize = 4;
 /// Largest radius of a box.
 pub const MAX_RADIUS: u32 = 4_096;
 
 /// Scratch [`smooth`] needs for a picture of this size.
 pub(crate) fn scratch_len(width: u32, height: u32) -> usize {
-    2 * width.max(height) as usize
+    (STRIP + 1) * width.max(height) as usize
 }
 
 /// Smooths interleaved RGB in place. `scratch` is [`scratch_len`] long.
 pub(crate) fn smooth(rgb: &mut [f32], width: usize, height: usize, radius: u32, scratch: &mut [Lanes]) {
-    let (line, spare) = scratch.split_at_mut(width.max(height));
+    let (spare, lines) = scratch.split_at_mut(width.max(height));
     for rows in rgb.chunks_mut(3 * width * ROWS) {
-        smooth_rows(rows, &mut line[..width], &mut spare[..width], radius);
+        smooth_rows(rows, &mut lines[..width], &mut spare[..width], radius);
     }
-    for first in (0..3 * width).step_by(LANES) {
-        let lanes = LANES.min(3 * width - first);
-        smooth_columns(
-            rgb,
-            3 * width,
-            first..first + lanes,
-            (&mut line[..height], &mut spare[..height]),
-            radius,
-        );
+    for first in (0..3 * width).step_by(STRIP * LANES) {
+        let columns = first..(first + STRIP * LANES).min(3 * width);
+        smooth_columns(rgb, 3 * width, columns, (lines, &mut spare[..height]), radius);
     }
 }
 
@@ -58,15 +54,31 @@ fn smooth_columns(
     rgb: &mut [f32],
     stride: usize,
     columns: core::ops::Range<usize>,
-    (line, spare): (&mut [Lanes], &mut [Lanes]),
+    (lines, spare): (&mut [Lanes], &mut [Lanes]),
     radius: u32,
 ) {
-    for (lanes, row) in line.iter_mut().zip(rgb.chunks_exact(stride)) {
-        lanes.iter_mut().zip(&row[columns.clone()]).for_each(|(lane, value)| *lane = *value);
+    let height = spare.len();
+    for (y, row) in rgb.chunks_exact(stride).enumerate() {
+        for (k, piece) in row[columns.clone()].chunks(LANES).enumerate() {
+            let lanes = &mut lines[k * height + y];
+            match piece.first_chunk() {
+                Some(whole) => *lanes = *whole,
+                None => lanes[..piece.len()].copy_from_slice(piece),
+            }
+        }
     }
-    boxes(line, spare, radius);
-    for (lanes, row) in spare.iter().zip(rgb.chunks_exact_mut(stride)) {
-        row[columns.clone()].iter_mut().zip(lanes).for_each(|(value, lane)| *value = *lane);
+    for line in lines.chunks_exact_mut(height).take(columns.len().div_ceil(LANES)) {
+        boxes(line, spare, radius);
+        line.copy_from_slice(spare);
+    }
+    for (y, row) in rgb.chunks_exact_mut(stride).enumerate() {
+        for (k, piece) in row[columns.clone()].chunks_mut(LANES).enumerate() {
+            let lanes = &lines[k * height + y];
+            match piece.first_chunk_mut() {
+                Some(whole) => *whole = *lanes,
+                None => piece.copy_from_slice(&lanes[..piece.len()]),
+            }
+        }
     }
 }
 
@@ -133,7 +145,13 @@ mod tests {
     }
 
     fn smoothed(mut rgb: Vec<f32>, width: usize, height: usize, radius: u32) -> Vec<f32> {
-        smooth(&mut rgb, width, height, radius, &mut vec![[9.0; LANES]; 2 * width.max(height)]);
+        smooth(
+            &mut rgb,
+            width,
+            height,
+            radius,
+            &mut vec![[9.0; LANES]; scratch_len(width as u32, height as u32)],
+        );
         rgb
     }
 

@@ -1,19 +1,23 @@
-//! Sums over 3 × 3 pixels of the film, a tile at a time, eight pixels at a time.
+//! Sums over 3 × 3 pixels of the film, a tile at a time.
 //!
 //! A tile and the pixels around it are copied into a small raster [`Block`]; beyond the film it holds zeros, so
 //! windows at the border sum over the pixels that exist.
 
-use super::{Layout, TILE, Tile, luminance};
+use super::{Layout, TILE, Tile};
 use core::ops::Range;
 use wide::f32x8;
 
+/// Side of a tile.
+const SIDE: usize = TILE as usize;
 /// Rows of a block: a tile and one more at each end.
-const ROWS: usize = TILE as usize + 2;
-/// Columns of a block: column 0 is left of the tile; the last ones are only read with lanes that are not used.
-const COLUMNS: usize = TILE as usize + 8;
+const ROWS: usize = SIDE + 2;
+/// Columns of a block: column 0 is left of the tile, the last ones fill the third vector up.
+const COLUMNS: usize = SIDE + 8;
 
 /// A tile of one quantity with the pixels around it.
 pub(crate) type Block = [[f32; COLUMNS]; ROWS];
+/// A quantity of every pixel of a tile.
+pub(crate) type Inner = [[f32; SIDE]; SIDE];
 
 /// Which pixels a window sums over.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -26,28 +30,31 @@ pub enum Window {
 }
 
 impl Window {
-    /// Sums around the eight pixels of `block` that start in row `y` and column `x` of the tile.
-    #[inline(always)]
-    pub(crate) fn sum(self, block: &Block, x: usize, y: usize) -> f32x8 {
+    /// Sums around every pixel of the tile.
+    #[inline]
+    pub(crate) fn sums(self, block: &Block) -> Inner {
         match self {
-            Window::Pixel => eight(&block[y + 1], x + 1),
-            Window::Square3 => square3(block, x, y),
+            Window::Pixel => inner(block),
+            Window::Square3 => square3(block),
         }
     }
 }
 
-/// Sums over 3 × 3 pixels around the eight pixels that start in row `y` and column `x` of the tile.
-#[inline(always)]
-pub(crate) fn square3(block: &Block, x: usize, y: usize) -> f32x8 {
-    let row = |y: usize| eight(&block[y], x) + eight(&block[y], x + 1) + eight(&block[y], x + 2);
-    row(y) + row(y + 1) + row(y + 2)
+/// The tile without the pixels around it.
+pub(crate) fn inner(block: &Block) -> Inner {
+    core::array::from_fn(|y| core::array::from_fn(|x| block[y + 1][x + 1]))
 }
 
-#[inline(always)]
-fn eight(row: &[f32; COLUMNS], x: usize) -> f32x8 {
-    let mut lanes = [0.0; 8];
-    lanes.copy_from_slice(&row[x..x + 8]);
-    f32x8::from(lanes)
+/// Sums over 3 × 3 pixels: three rows into one, then three columns.
+fn square3(block: &Block) -> Inner {
+    let mut sums = [[0.0; SIDE]; SIDE];
+    for (y, sums) in sums.iter_mut().enumerate() {
+        let rows: &[[f32; COLUMNS]; 3] = block[y..].first_chunk().expect("two rows more than the tile");
+        let mut column = [0.0; COLUMNS];
+        (0..COLUMNS).for_each(|x| column[x] = rows[0][x] + rows[1][x] + rows[2][x]);
+        (0..SIDE).for_each(|x| sums[x] = column[x] + column[x + 1] + column[x + 2]);
+    }
+    sums
 }
 
 /// Where the pixels of a block are stored.
@@ -95,9 +102,9 @@ impl Around {
                 out[row.middle.len() + 1] = value(plane[right]);
             }
             let middle = &plane[row.middle.clone()];
-            match middle.first_chunk::<{ TILE as usize }>() {
+            match middle.first_chunk::<SIDE>() {
                 // A whole row of a tile: its length is known, so this becomes two vector instructions.
-                Some(whole) => (0..TILE as usize).for_each(|k| out[k + 1] = value(whole[k])),
+                Some(whole) => (0..SIDE).for_each(|k| out[k + 1] = value(whole[k])),
                 None => out[1..].iter_mut().zip(middle).for_each(|(out, new)| *out = value(*new)),
             }
         }
@@ -105,26 +112,21 @@ impl Around {
     }
 }
 
-/// The luminance of blocks of red, green and blue.
+/// The block of what `f` makes of the values of others.
 #[inline(always)]
-pub(crate) fn block_luminance([r, g, b]: &[Block; 3]) -> Block {
-    let mut light = [[0.0; COLUMNS]; ROWS];
-    for y in 0..ROWS {
-        for x in 0..COLUMNS {
-            light[y][x] = luminance([r[y][x], g[y][x], b[y][x]]);
-        }
+pub(crate) fn combine<const N: usize>(blocks: [&Block; N], f: impl Fn([f32; N]) -> f32) -> Block {
+    let mut result = [[0.0; COLUMNS]; ROWS];
+    for (y, row) in result.iter_mut().enumerate() {
+        (0..COLUMNS).for_each(|x| row[x] = f(blocks.map(|block| block[y][x])));
     }
-    light
+    result
 }
 
-/// Reads up to eight values; lanes that are left become 0.
+/// Eight values of a row from column `x` on.
 #[inline(always)]
-pub(crate) fn read8(from: &[f32]) -> f32x8 {
+pub(crate) fn read8(row: &[f32; SIDE], x: usize) -> f32x8 {
     let mut lanes = [0.0; 8];
-    match from.first_chunk::<8>() {
-        Some(whole) => lanes = *whole,
-        None => lanes[..from.len()].copy_from_slice(from),
-    }
+    lanes.copy_from_slice(&row[x..x + 8]);
     f32x8::from(lanes)
 }
 

@@ -16,7 +16,7 @@ fn scalar(kernel: &Kernel, layout: &Layout, planes: &Planes<'_>, x: u32, y: u32)
         for x in x.saturating_sub(reach)..(x + reach + 1).min(layout.width()) {
             let i = layout.index(x, y);
             m2 += f64::from(planes.m2[i]);
-            freedom += f64::from(planes.groups[i].saturating_sub(1));
+            freedom += f64::from(planes.count[i].saturating_sub(1));
             light += f64::from(luminance(planes.mean_at(i)));
             known += if planes.count[i] > 0 { 1.0 } else { 0.0 };
         }
@@ -34,7 +34,7 @@ fn fill(planes: &mut Planes<'_>) {
     for i in 0..planes.count.len() {
         let random = hash(i as u32);
         let count = [0, 1, 2 + random % 7][(random >> 8) as usize % 3];
-        (planes.count[i], planes.groups[i]) = (count, count);
+        planes.count[i] = count;
         planes.m2[i] = if count > 1 { (random >> 12) as f32 * 1e-5 } else { 0.0 };
         for c in 0..3 {
             planes.mean[c][i] = if count > 0 { (hash(random + c as u32) >> 20) as f32 * 1e-3 } else { 0.0 };

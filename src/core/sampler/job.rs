@@ -2,7 +2,7 @@
 
 use super::settings::{Error, Sequence};
 use crate::batch::{Batch8, Integrand, Rgb8};
-use crate::estimate::Estimator;
+use crate::estimate::{Estimator, Weight};
 use crate::film::{Layout, Moments, Planes, Tile};
 use crate::sobol::{self, hash};
 use wide::{f32x8, u32x8};
@@ -57,10 +57,7 @@ pub(super) struct Context {
     pub sequence: Sequence,
     pub iteration: u32,
     pub estimator: Estimator,
-    /// Whether the scatter inside the iteration counts as variance.
-    pub within: bool,
-    /// N_s/|P|.
-    pub weight: f32,
+    pub weight: Weight,
 }
 
 impl Context {
@@ -231,35 +228,29 @@ impl<'a> Job<'a> {
     pub fn accept(&mut self, radiance: &[Rgb8]) {
         for rgb in radiance {
             let lanes = (self.filled - self.accepted).min(8) as usize;
+            let usable = usable(rgb);
             let (r, g, b) = (rgb.r.to_array(), rgb.g.to_array(), rgb.b.to_array());
-            (0..lanes).for_each(|lane| self.accept_one([r[lane], g[lane], b[lane]]));
+            (0..lanes).for_each(|lane| self.accept_one([r[lane], g[lane], b[lane]], usable >> lane & 1 == 1));
             self.accepted += lanes as u64;
         }
     }
 
-    #[inline]
-    fn accept_one(&mut self, rgb: [f32; 3]) {
-        while self.planes.planned[self.pixel] == 0 {
-            self.pixel += 1;
+    #[inline(always)]
+    fn accept_one(&mut self, rgb: [f32; 3], usable: bool) {
+        while self.taken == self.planes.planned[self.pixel] {
+            (self.pixel, self.taken, self.partial) = (self.pixel + 1, 0, Moments::default());
         }
-        if rgb.iter().all(|c| c.abs() <= MAX_RADIANCE) {
+        if usable {
             self.partial.add(rgb);
         } else {
             self.rejected += 1;
         }
         self.taken += 1;
         if self.taken == self.planes.planned[self.pixel] {
-            self.finish_pixel();
+            let mut pixel = self.planes.pixel(self.pixel);
+            self.context.estimator.arrive(&mut pixel, &self.partial, self.taken, self.context.weight);
+            pixel.merge(&self.partial, self.taken);
         }
-    }
-
-    /// Enters the collected samples of a pixel into the film.
-    fn finish_pixel(&mut self) {
-        let i = self.pixel;
-        self.context.estimator.arrive(&mut self.planes, i, &self.partial, self.context.weight);
-        self.planes.merge(i, &self.partial, self.context.within);
-        self.planes.drawn[i] = self.planes.drawn[i].wrapping_add(self.taken);
-        (self.pixel, self.taken, self.partial) = (i + 1, 0, Moments::default());
     }
 
     /// Samples accepted so far.
@@ -283,6 +274,14 @@ impl Place {
             (self.tile, self.dy) = (layout.tile(self.tile_number), 0);
         }
     }
+}
+
+/// A bit for every lane whose radiance can enter the film.
+#[inline(always)]
+fn usable(rgb: &Rgb8) -> u32 {
+    let limit = f32x8::splat(MAX_RADIANCE);
+    let fits = |colour: f32x8| colour.abs().simd_le(limit);
+    (fits(rgb.r) & fits(rgb.g) & fits(rgb.b)).to_bitmask()
 }
 
 /// `pixel + offset`, kept below `pixel + 1` where the sum would be rounded up to it.

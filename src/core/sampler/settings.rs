@@ -25,17 +25,6 @@ pub enum Sequence {
     Fresh,
 }
 
-/// What the kernel takes for a pixel's variance.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Spread {
-    /// The scatter of all samples, as if they were independent.
-    #[default]
-    Samples,
-    /// The scatter of the iterations' means, which sees what stratification achieves. Samples of the first
-    /// iteration count one by one.
-    Iterations,
-}
-
 /// Everything a sampler is asked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
@@ -55,8 +44,6 @@ pub struct Settings {
     pub estimator: Estimator,
     /// How sequences go on.
     pub sequence: Sequence,
-    /// What counts as variance.
-    pub spread: Spread,
     /// What the kernel evens out.
     pub criterion: Criterion,
     /// Pixels the kernel looks at.
@@ -84,7 +71,6 @@ impl Settings {
             mode: Mode::Adaptive,
             estimator: Estimator::Balanced,
             sequence: Sequence::Continued,
-            spread: Spread::Samples,
             criterion: Criterion::Mean,
             window: Window::Square3,
             gamma: 0.8,
