@@ -26,7 +26,7 @@
 //!     }
 //!     sampler.end()?;
 //! }
-//! let (mut rgb, mut scratch) = ([0.0; 3 * 64], [[0.0; 16]; 40]); // as Sampler::resolve_scratch(8, 8) says
+//! let (mut rgb, mut scratch) = ([0.0; 3 * 64], [[0.0; 16]; 44]); // as Sampler::resolve_scratch(8, 8) says
 //! sampler.resolve(sampler.settings().estimator, &mut scratch, &mut rgb)?;
 //! assert!((rgb[0] - 0.5).abs() < 0.2);
 //! # Ok(())
@@ -34,8 +34,8 @@
 //! ```
 
 use crate::allocate::{Mixture, allocate};
-use crate::estimate::{self, Estimator, Lanes, Weight};
-use crate::film::{FLOATS, Layout, Planes, WORDS};
+use crate::estimate::{self, Estimator, LANES, Lanes, Weight};
+use crate::film::{FLOATS, Layout, Planes, WORDS, luminance};
 use crate::sobol::hash;
 
 mod job;
@@ -183,7 +183,8 @@ impl<'a> Sampler<'a> {
 
     /// Length of the scratch [`resolve`](Self::resolve) needs.
     pub fn resolve_scratch(width: u32, height: u32) -> usize {
-        estimate::scratch_len(width, height)
+        let pixels = (width as usize).saturating_mul(height as usize);
+        pixels.div_ceil(LANES) + estimate::scratch_len(width, height)
     }
 
     /// Writes the picture: interleaved linear RGB, row by row.
@@ -205,12 +206,33 @@ impl<'a> Sampler<'a> {
         let share = if estimator == Estimator::Pooled { 0.0 } else { share };
         self.for_each_colour(out, |i, rgb| *rgb = [0, 1, 2].map(|c| self.planes.excess[c][i] * share));
         if estimator == Estimator::Balanced {
-            estimate::smooth(out, width as usize, height as usize, self.settings.balance_radius, scratch);
+            self.balance(out, scratch);
         }
         self.for_each_colour(out, |i, rgb| {
             rgb.iter_mut().zip(self.planes.mean_at(i)).for_each(|(sum, mean)| *sum += mean)
         });
         Ok(())
+    }
+
+    /// Spreads the excess in `out` over the neighbourhood, in proportion to what each pixel takes.
+    fn balance(&self, out: &mut [f32], scratch: &mut [Lanes]) {
+        let size = (self.settings.width as usize, self.settings.height as usize);
+        let radius = self.settings.balance_radius;
+        let (taken, lines) = scratch.split_at_mut(self.layout.pixels().div_ceil(LANES));
+        let taken = &mut taken.as_flattened_mut()[..self.layout.pixels()];
+        let takes = |i| libm::sqrtf(luminance(self.planes.mean_at(i)).max(0.0));
+        self.layout.for_each_run(|run, raster| {
+            let length = run.len();
+            run.zip(&mut taken[raster..raster + length]).for_each(|(i, out)| *out = takes(i));
+        });
+        estimate::smooth::<1>(taken, size, radius, lines);
+        let (pixels, _) = out.as_chunks_mut::<3>();
+        for (rgb, taken) in pixels.iter_mut().zip(taken) {
+            // Where nobody takes anything, no sample was ever bright: there is nothing to spread.
+            *rgb = rgb.map(|excess| excess / taken.max(1e-12));
+        }
+        estimate::smooth::<3>(out, size, radius, lines);
+        self.for_each_colour(out, |i, rgb| *rgb = rgb.map(|share| share * takes(i)));
     }
 
     /// Calls `f` with the storage index and the place in interleaved `out` of every pixel.

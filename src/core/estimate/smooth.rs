@@ -4,13 +4,11 @@
 //! at any radius and any size. Sums run in double precision: a firefly that enters and leaves a single
 //! precision sum would leave a trace along the whole line.
 
-/// A position of a line: five pixels of neighbouring rows, or sixteen neighbouring floats of a row.
+/// A position of a line: pixels of neighbouring rows, or sixteen neighbouring floats of a row.
 pub type Lanes = [f32; LANES];
 
 /// Floats at a position of a line.
-const LANES: usize = 16;
-/// Pixels at a position of a row.
-const ROWS: usize = LANES / 3;
+pub(crate) const LANES: usize = 16;
 /// Lines of columns that are copied at once: longer pieces of every row, fewer waits for memory.
 const STRIP: usize = 4;
 /// Largest radius of a box.
@@ -21,44 +19,55 @@ pub(crate) fn scratch_len(width: u32, height: u32) -> usize {
     (STRIP + 1) * width.max(height) as usize
 }
 
-/// Smooths interleaved RGB in place. `scratch` is [`scratch_len`] long.
-pub(crate) fn smooth(rgb: &mut [f32], width: usize, height: usize, radius: u32, scratch: &mut [Lanes]) {
+/// Smooths a picture of `CHANNELS` interleaved floats a pixel in place. `scratch` is [`scratch_len`] long.
+pub(crate) fn smooth<const CHANNELS: usize>(
+    picture: &mut [f32],
+    (width, height): (usize, usize),
+    radius: u32,
+    scratch: &mut [Lanes],
+) {
     let (spare, lines) = scratch.split_at_mut(width.max(height));
-    for rows in rgb.chunks_mut(3 * width * ROWS) {
-        smooth_rows(rows, &mut lines[..width], &mut spare[..width], radius);
+    let stride = CHANNELS * width;
+    for rows in picture.chunks_mut(stride * (LANES / CHANNELS)) {
+        smooth_rows::<CHANNELS>(rows, &mut lines[..width], &mut spare[..width], radius);
     }
-    for first in (0..3 * width).step_by(STRIP * LANES) {
-        let columns = first..(first + STRIP * LANES).min(3 * width);
-        smooth_columns(rgb, 3 * width, columns, (lines, &mut spare[..height]), radius);
+    for first in (0..stride).step_by(STRIP * LANES) {
+        let columns = first..(first + STRIP * LANES).min(stride);
+        smooth_columns(picture, stride, columns, (lines, &mut spare[..height]), radius);
     }
 }
 
-/// Smooths up to [`ROWS`] rows along themselves.
-fn smooth_rows(rows: &mut [f32], line: &mut [Lanes], spare: &mut [Lanes], radius: u32) {
-    let width = line.len();
-    for (r, row) in rows.chunks_exact(3 * width).enumerate() {
-        for (lanes, pixel) in line.iter_mut().zip(row.chunks_exact(3)) {
-            lanes[3 * r..3 * r + 3].copy_from_slice(pixel);
+/// Smooths some rows along themselves, as many as have room in the lanes.
+fn smooth_rows<const CHANNELS: usize>(
+    rows: &mut [f32],
+    line: &mut [Lanes],
+    spare: &mut [Lanes],
+    radius: u32,
+) {
+    let stride = CHANNELS * line.len();
+    for (r, row) in rows.chunks_exact(stride).enumerate() {
+        for (lanes, pixel) in line.iter_mut().zip(row.chunks_exact(CHANNELS)) {
+            lanes[CHANNELS * r..][..CHANNELS].copy_from_slice(pixel);
         }
     }
     boxes(line, spare, radius);
-    for (r, row) in rows.chunks_exact_mut(3 * width).enumerate() {
-        for (lanes, pixel) in spare.iter().zip(row.chunks_exact_mut(3)) {
-            pixel.copy_from_slice(&lanes[3 * r..3 * r + 3]);
+    for (r, row) in rows.chunks_exact_mut(stride).enumerate() {
+        for (lanes, pixel) in spare.iter().zip(row.chunks_exact_mut(CHANNELS)) {
+            pixel.copy_from_slice(&lanes[CHANNELS * r..][..CHANNELS]);
         }
     }
 }
 
 /// Smooths some floats of every row across the rows.
 fn smooth_columns(
-    rgb: &mut [f32],
+    picture: &mut [f32],
     stride: usize,
     columns: core::ops::Range<usize>,
     (lines, spare): (&mut [Lanes], &mut [Lanes]),
     radius: u32,
 ) {
     let height = spare.len();
-    for (y, row) in rgb.chunks_exact(stride).enumerate() {
+    for (y, row) in picture.chunks_exact(stride).enumerate() {
         for (k, piece) in row[columns.clone()].chunks(LANES).enumerate() {
             let lanes = &mut lines[k * height + y];
             match piece.first_chunk() {
@@ -71,7 +80,7 @@ fn smooth_columns(
         boxes(line, spare, radius);
         line.copy_from_slice(spare);
     }
-    for (y, row) in rgb.chunks_exact_mut(stride).enumerate() {
+    for (y, row) in picture.chunks_exact_mut(stride).enumerate() {
         for (k, piece) in row[columns.clone()].chunks_mut(LANES).enumerate() {
             let lanes = &lines[k * height + y];
             match piece.first_chunk_mut() {
@@ -145,13 +154,8 @@ mod tests {
     }
 
     fn smoothed(mut rgb: Vec<f32>, width: usize, height: usize, radius: u32) -> Vec<f32> {
-        smooth(
-            &mut rgb,
-            width,
-            height,
-            radius,
-            &mut vec![[9.0; LANES]; scratch_len(width as u32, height as u32)],
-        );
+        let mut scratch = vec![[9.0; LANES]; scratch_len(width as u32, height as u32)];
+        smooth::<3>(&mut rgb, (width, height), radius, &mut scratch);
         rgb
     }
 
@@ -161,6 +165,10 @@ mod tests {
             for radius in [0, 1, 3, 12, 50] {
                 let before = picture(width, height);
                 let after = smoothed(before.clone(), width, height, radius);
+                let mut red: Vec<f32> = before.iter().step_by(3).copied().collect();
+                let mut scratch = vec![[9.0; LANES]; scratch_len(width as u32, height as u32)];
+                smooth::<1>(&mut red, (width, height), radius, &mut scratch);
+                assert!(red.iter().eq(after.iter().step_by(3)));
                 for c in 0..3 {
                     let colour =
                         |rgb: &[f32]| -> Vec<f64> { rgb.chunks(3).map(|rgb| f64::from(rgb[c])).collect() };
