@@ -62,7 +62,7 @@ fn sample(scene: Scene<'_>) -> Option<(Tally, f32)> {
         }
         tally = sampler.end().ok()?;
     }
-    let (mut rgb, mut scratch) = ([0.0; 3 * PIXELS], [[0.0; 16]; 4 * WIDTH as usize]);
+    let (mut rgb, mut scratch) = ([0.0; 3 * PIXELS], [[0.0; 16]; PIXELS.div_ceil(16) + 5 * WIDTH as usize]);
     sampler.resolve(sampler.settings().estimator, &mut scratch, &mut rgb).ok()?;
     Some((tally, rgb.iter().copied().fold(0.0, f32::max)))
 }

@@ -76,13 +76,10 @@ fn smooth_columns(
             }
         }
     }
-    for line in lines.chunks_exact_mut(height).take(columns.len().div_ceil(LANES)) {
+    for (first, line) in columns.clone().step_by(LANES).zip(lines.chunks_exact_mut(height)) {
         boxes(line, spare, radius);
-        line.copy_from_slice(spare);
-    }
-    for (y, row) in picture.chunks_exact_mut(stride).enumerate() {
-        for (k, piece) in row[columns.clone()].chunks_mut(LANES).enumerate() {
-            let lanes = &lines[k * height + y];
+        for (lanes, row) in spare.iter().zip(picture.chunks_exact_mut(stride)) {
+            let piece = &mut row[first..columns.end.min(first + LANES)];
             match piece.first_chunk_mut() {
                 Some(whole) => *whole = *lanes,
                 None => piece.copy_from_slice(&lanes[..piece.len()]),
