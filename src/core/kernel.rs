@@ -2,7 +2,7 @@
 //!
 //! Lai, Chenney, Liu, Niu, Fan, *Animation rendering with Population Monte Carlo image-plane sampler*, The
 //! Visual Computer 2010: w_p = (σ̂²_p / tvi(L̂_p))^γ. The paper has γ = 1 and one pixel's own samples; here σ̂² and
-//! L̂ come from a window of 3 × 3 pixels and γ is free. σ̂² is the sum of squared deviations over the window by
+//! L̂ come from a binomial window of 3 × 3 pixels and γ is free. σ̂² is the sum of squared deviations over the window by
 //! its degrees of freedom, and divided by the pixel's own count where the [`Criterion`] says so; L̂ is the mean
 //! over the window's pixels that have samples, in cd/m².
 //!

@@ -24,7 +24,7 @@ pub(crate) type Inner = [[f32; SIDE]; SIDE];
 pub enum Window {
     /// The pixel alone, as the paper does.
     Pixel,
-    /// The pixel and its eight neighbours.
+    /// The pixel and its eight neighbours, by binomial weights: 4 for itself, 2 and 1.
     #[default]
     Square3,
 }
@@ -45,14 +45,14 @@ pub(crate) fn inner(block: &Block) -> Inner {
     core::array::from_fn(|y| core::array::from_fn(|x| block[y + 1][x + 1]))
 }
 
-/// Sums over 3 × 3 pixels: three rows into one, then three columns.
+/// Sums over 3 × 3 pixels, weighted 1, 2, 1 each way: three rows into one, then three columns.
 fn square3(block: &Block) -> Inner {
     let mut sums = [[0.0; SIDE]; SIDE];
     for (y, sums) in sums.iter_mut().enumerate() {
         let rows: &[[f32; COLUMNS]; 3] = block[y..].first_chunk().expect("two rows more than the tile");
         let mut column = [0.0; COLUMNS];
-        (0..COLUMNS).for_each(|x| column[x] = rows[0][x] + rows[1][x] + rows[2][x]);
-        (0..SIDE).for_each(|x| sums[x] = column[x] + column[x + 1] + column[x + 2]);
+        (0..COLUMNS).for_each(|x| column[x] = rows[0][x] + 2.0 * rows[1][x] + rows[2][x]);
+        (0..SIDE).for_each(|x| sums[x] = column[x] + 2.0 * column[x + 1] + column[x + 2]);
     }
     sums
 }

@@ -12,13 +12,14 @@ use std::vec::Vec;
 fn scalar(kernel: &Kernel, layout: &Layout, planes: &Planes<'_>, x: u32, y: u32) -> f32 {
     let reach = if kernel.window == Window::Pixel { 0 } else { 1 };
     let (mut m2, mut freedom, mut light, mut known) = (0.0, 0.0, 0.0, 0.0);
-    for y in y.saturating_sub(reach)..(y + reach + 1).min(layout.height()) {
-        for x in x.saturating_sub(reach)..(x + reach + 1).min(layout.width()) {
-            let i = layout.index(x, y);
-            m2 += f64::from(planes.m2[i]);
-            freedom += f64::from(planes.count[i].saturating_sub(1));
-            light += f64::from(luminance(planes.mean_at(i)));
-            known += if planes.count[i] > 0 { 1.0 } else { 0.0 };
+    for row in y.saturating_sub(reach)..(y + reach + 1).min(layout.height()) {
+        for column in x.saturating_sub(reach)..(x + reach + 1).min(layout.width()) {
+            let i = layout.index(column, row);
+            let share = f64::from((2 - row.abs_diff(y)) * (2 - column.abs_diff(x)));
+            m2 += share * f64::from(planes.m2[i]);
+            freedom += share * f64::from(planes.count[i].saturating_sub(1));
+            light += share * f64::from(luminance(planes.mean_at(i)));
+            known += if planes.count[i] > 0 { share } else { 0.0 };
         }
     }
     if freedom == 0.0 {
@@ -26,7 +27,9 @@ fn scalar(kernel: &Kernel, layout: &Layout, planes: &Planes<'_>, x: u32, y: u32)
     }
     let cd = f64::from(kernel.cd_per_unit);
     let threshold = crate::tvi::tvi(f32x8::splat((light / known * cd) as f32)).to_array()[0];
-    libm::pow(m2 / freedom * cd * cd / f64::from(threshold), f64::from(kernel.gamma)) as f32
+    let spent = if kernel.criterion == Criterion::Mean { planes.count[layout.index(x, y)].max(1) } else { 1 };
+    let variance = m2 / freedom / f64::from(spent);
+    libm::pow(variance * cd * cd / f64::from(threshold), f64::from(kernel.gamma)) as f32
 }
 
 /// A film of random moments; about a third of the pixels have no sample, a third one, a third several.
@@ -49,8 +52,12 @@ fn weights_equal_the_scalar_twin() {
         let (mut floats, mut words) = (vec![0.0; FLOATS * layout.pixels()], vec![0; WORDS * layout.pixels()]);
         let mut planes = Planes::new(&mut floats, &mut words, layout.pixels()).unwrap();
         fill(&mut planes);
-        for (window, gamma) in [(Window::Pixel, 1.0), (Window::Square3, 2.0 / 3.0), (Window::Square3, 0.0)] {
-            let kernel = Kernel { criterion: Criterion::Sample, gamma, window, cd_per_unit: 20.0 };
+        for (window, gamma, criterion) in [
+            (Window::Pixel, 1.0, Criterion::Sample),
+            (Window::Square3, 2.0 / 3.0, Criterion::Mean),
+            (Window::Square3, 0.0, Criterion::Sample),
+        ] {
+            let kernel = Kernel { criterion, gamma, window, cd_per_unit: 20.0 };
             kernel.adapt(&layout, &mut planes);
             let pixels: Vec<_> = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).collect();
             for (x, y) in pixels {

@@ -59,7 +59,7 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// The defaults, found by measurement: variance of the mean, γ 0.8, 3 × 3 window, ε 0.01, floor ½, balanced
+    /// The defaults, found by measurement: variance of the mean, γ 0.8, binomial window, ε 0.01, floor ½, balanced
     /// with σ 24.5 pixels.
     pub fn new(width: u32, height: u32) -> Settings {
         Settings {
