@@ -4,8 +4,11 @@ use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use pmcip_core::allocate::{Mixture, allocate};
 use pmcip_core::batch::{Batch8, Integrand, Rgb8};
 use pmcip_core::estimate::Estimator;
+use pmcip_core::film::Moments;
+use pmcip_core::kernel::{Criterion as Evened, Kernel, Window};
 use pmcip_core::sampler::{Memory, Sampler, Settings, Workspace};
-use pmcip_core::{sobol, tvi};
+use pmcip_core::vec3::Vec3x8;
+use pmcip_core::{math, sobol, tvi};
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 use wide::{f32x8, u32x8};
@@ -118,5 +121,34 @@ fn packets(c: &mut Criterion) {
     });
 }
 
-criterion_group!(benches, frame, plain, counts, packets);
+fn moments(c: &mut Criterion) {
+    let kernel = Kernel { criterion: Evened::Mean, gamma: 0.8, window: Window::Square3, cd_per_unit: 100.0 };
+    c.benchmark_group("kernel").throughput(Throughput::Elements(8)).bench_function("weight/8", |b| {
+        b.iter(|| kernel.weight(black_box(f32x8::splat(0.3)), black_box(f32x8::splat(0.7))));
+    });
+    c.benchmark_group("film").throughput(Throughput::Elements(64)).bench_function("moments/64", |b| {
+        b.iter(|| {
+            let (mut first, mut second) = (Moments::default(), Moments::default());
+            (0..32).for_each(|i| first.add(black_box([i as f32, 1.0, 2.0])));
+            (0..32).for_each(|i| second.add(black_box([2.0, i as f32, 1.0])));
+            first.merged(&second)
+        });
+    });
+}
+
+fn functions(c: &mut Criterion) {
+    let x = f32x8::new([0.01, 0.1, 0.2, 0.3, 0.4, 0.5, 0.7, 0.9]);
+    let mut group = c.benchmark_group("math");
+    group.throughput(Throughput::Elements(8));
+    group.bench_function("log2/8", |b| b.iter(|| math::log2(black_box(x))));
+    group.bench_function("exp2/8", |b| b.iter(|| math::exp2(black_box(x))));
+    group.bench_function("sin-cos-turn/8", |b| b.iter(|| math::sin_cos_turn(black_box(x))));
+    group.finish();
+    let v = Vec3x8::new(x, x, x);
+    c.benchmark_group("vec3").throughput(Throughput::Elements(8)).bench_function("normalized/8", |b| {
+        b.iter(|| black_box(v).normalized());
+    });
+}
+
+criterion_group!(benches, frame, plain, counts, packets, moments, functions);
 criterion_main!(benches);
