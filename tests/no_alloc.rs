@@ -46,7 +46,7 @@ fn a_frame_allocates_nothing() {
     assert_eq!(allocations(|| result = frame::render()), 0);
     let (tally, brightest) = result.expect("the core accepts scene and memory");
     assert_eq!((tally.samples, tally.rejected), (frame::SAMPLES, 0));
-    assert!(brightest > 0.0);
+    assert!(brightest > 0.1, "the wall is lit: {brightest}");
 }
 
 #[test]

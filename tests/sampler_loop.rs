@@ -264,3 +264,43 @@ fn the_order_of_calls_is_checked() {
     });
     assert_eq!(sampler.end(), Err(Error::Unfinished));
 }
+
+/// A noisy disc on black ground.
+struct Lamp;
+
+impl Integrand for Lamp {
+    fn radiance(&mut self, batch: &Batch8) -> Rgb8 {
+        let (u, _) = batch.point(1);
+        let (x, y) = (batch.x - f32x8::splat(20.0), batch.y - f32x8::splat(15.0));
+        let light = (x * x + y * y).simd_lt(f32x8::splat(90.0)) & (u * u * u * f32x8::splat(9.0));
+        Rgb8 { r: light, g: light, b: light }
+    }
+}
+
+#[test]
+fn balancing_gives_to_the_bright_and_nothing_to_the_black() {
+    let settings = Settings { seed: 3, ..Settings::new(61, 40) };
+    let mut lent = Lent::new(&settings);
+    let mut sampler = lent.sampler(settings);
+    for samples in Schedule::new(61 * 40, 12, 2, 6) {
+        sampler.begin(samples).unwrap();
+        let (mut batches, mut radiance) = (vec![Batch8::default(); 9], vec![Rgb8::default(); 9]);
+        let mut work = Workspace::new(&mut batches, &mut radiance).unwrap();
+        sampler.jobs().for_each(|mut job| {
+            job.render(&mut Lamp, &mut work);
+        });
+        sampler.end().unwrap();
+    }
+    let mut scratch = vec![[0.0; 16]; Sampler::resolve_scratch(61, 40)];
+    let [balanced, difference, pooled] =
+        [Estimator::Balanced, Estimator::Difference, Estimator::Pooled].map(|estimator| {
+            let mut rgb = vec![0.0; 3 * 61 * 40];
+            sampler.resolve(estimator, &mut scratch, &mut rgb).unwrap();
+            rgb
+        });
+    let energy = |rgb: &[f32]| rgb.iter().map(|v| f64::from(*v)).sum::<f64>();
+    assert!((energy(&balanced) / energy(&difference) - 1.0).abs() < 1e-5);
+    assert!((energy(&pooled) / energy(&difference) - 1.0).abs() > 1e-4, "nothing to give back: no test");
+    let black = balanced.iter().zip(&pooled).filter(|(_, pooled)| **pooled == 0.0);
+    assert!(black.clone().count() > 1000 && black.clone().all(|(balanced, _)| *balanced == 0.0));
+}

@@ -21,7 +21,7 @@ pub const SAMPLES: u64 = PIXELS as u64 * SPP as u64;
 pub fn render() -> Option<(Tally, f32)> {
     let triangles = [
         Triangle { corners: [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 2.0, 0.0]] },
-        Triangle { corners: [[-1.0, 2.0, 0.5], [0.0, 2.0, 2.0], [1.0, 2.0, 0.5]] },
+        Triangle { corners: [[-1.0, 2.0, 0.5], [1.0, 2.0, 0.5], [0.0, 2.0, 2.0]] },
     ];
     let surfaces = [Surface::default(), Surface { material: 1, ..Surface::default() }];
     let materials = [Material::default(), Material { emission: [LAMP; 3], ..Material::default() }];
