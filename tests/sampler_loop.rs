@@ -200,7 +200,8 @@ fn unusable_samples_are_counted_and_stay_out() {
             assert_eq!(total.samples + total.rejected, 768);
             assert!(total.rejected >= 256);
             let mut rgb = [0.0; 3 * 128];
-            sampler.resolve(estimator, &mut [[0.0; 16]; 80], &mut rgb).unwrap();
+            let mut scratch = vec![[0.0; 16]; Sampler::resolve_scratch(16, 8)];
+            sampler.resolve(estimator, &mut scratch, &mut rgb).unwrap();
             assert!(rgb.iter().all(|v| v.is_finite()));
         }
     }
@@ -251,9 +252,10 @@ fn the_order_of_calls_is_checked() {
     });
     assert!(sampler.end().is_ok());
     let mut rgb = [0.0; 768];
-    assert_eq!(sampler.resolve(Estimator::Balanced, &mut [[0.0; 16]; 80], &mut rgb), Err(Error::Estimator));
-    assert_eq!(sampler.resolve(Estimator::Pooled, &mut [[0.0; 16]; 79], &mut rgb), Err(Error::Scratch));
-    assert_eq!(sampler.resolve(Estimator::Pooled, &mut [[0.0; 16]; 80], &mut rgb[1..]), Err(Error::Output));
+    let mut scratch = vec![[0.0; 16]; Sampler::resolve_scratch(16, 16)];
+    assert_eq!(sampler.resolve(Estimator::Balanced, &mut scratch, &mut rgb), Err(Error::Estimator));
+    assert_eq!(sampler.resolve(Estimator::Pooled, &mut scratch[1..], &mut rgb), Err(Error::Scratch));
+    assert_eq!(sampler.resolve(Estimator::Pooled, &mut scratch, &mut rgb[1..]), Err(Error::Output));
     assert_eq!(sampler.variance(&mut rgb), Err(Error::Output));
     sampler.begin(512).unwrap();
     sampler.jobs().for_each(|mut job| {
