@@ -32,6 +32,7 @@
 //! # Ok(())
 //! # }
 //! ```
+#![doc = include_str!("sampler/defaults.md")]
 
 use crate::allocate::{Mixture, allocate};
 use crate::estimate::{self, Estimator, LANES, Lanes, Weight};

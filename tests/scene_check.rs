@@ -1,0 +1,118 @@
+//! `Scene::new` refuses what would lead a ray astray, and names it; the light table follows power.
+
+use pmcip_core::scene::{
+    Error, Light, MAX_DEPTH, Material, NO_TEXTURE, Node8, Scene, SceneData, Surface, Texture, Triangle,
+};
+use pmcip_core::shade::light;
+
+/// A valid scene of one lit triangle, changed by `change` before it is checked.
+fn checked(change: impl FnOnce(&mut Parts)) -> Result<(), Error> {
+    let mut parts = Parts::new();
+    change(&mut parts);
+    let data = SceneData {
+        nodes: &parts.nodes,
+        triangles: &parts.triangles,
+        surfaces: &parts.surfaces,
+        materials: &parts.materials,
+        textures: &parts.textures,
+        texels: &parts.texels,
+        lights: &parts.lights,
+    };
+    Scene::new(data).map(|_| ())
+}
+
+struct Parts {
+    nodes: Vec<Node8>,
+    triangles: Vec<Triangle>,
+    surfaces: Vec<Surface>,
+    materials: Vec<Material>,
+    textures: Vec<Texture>,
+    texels: Vec<[f32; 3]>,
+    lights: Vec<Light>,
+}
+
+impl Parts {
+    fn new() -> Parts {
+        Parts {
+            nodes: vec![node(0, 1)],
+            triangles: vec![Triangle { corners: [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]] }],
+            surfaces: vec![Surface::default()],
+            materials: vec![Material { emission: [1.0; 3], texture: 0, ..Material::default() }],
+            textures: vec![Texture { width: 2, height: 1, first: 0 }],
+            texels: vec![[1.0; 3]; 2],
+            lights: vec![Light { triangle: 0, cumulative: 1.0 }],
+        }
+    }
+}
+
+/// A node with one child: a leaf of `count` triangles, or the inner node `child` if that is 0.
+fn node(child: u32, count: u32) -> Node8 {
+    let mut node = Node8::EMPTY;
+    for axis in 0..3 {
+        (node.lower[axis][0], node.upper[axis][0]) = (0.0, 1.0);
+    }
+    (node.child[0], node.count[0]) = (child, count);
+    node
+}
+
+#[test]
+fn a_sound_scene_is_accepted() {
+    assert_eq!(checked(|_| ()), Ok(()));
+    assert!(Scene::new(SceneData::default()).is_ok());
+}
+
+#[test]
+fn every_fault_is_named() {
+    let fault = |change: fn(&mut Parts)| checked(change).unwrap_err();
+    assert_eq!(fault(|p| p.surfaces.clear()), Error::SurfaceCount);
+    assert_eq!(fault(|p| p.nodes[0] = node(0, 2)), Error::Node(0), "leaf beyond the triangles");
+    assert_eq!(fault(|p| p.nodes[0] = node(u32::MAX, 9)), Error::Node(0), "overflowing leaf");
+    assert_eq!(fault(|p| p.nodes[0] = node(0, 0)), Error::Node(0), "a node that contains itself");
+    assert_eq!(fault(|p| p.nodes[0] = node(7, 0)), Error::Node(0), "no such node");
+    assert_eq!(fault(|p| p.surfaces[0].material = 1), Error::Surface(0));
+    assert_eq!(fault(|p| p.materials[0].diffuse[1] = 1.5), Error::Material(0));
+    assert_eq!(fault(|p| p.materials[0].emission[0] = f32::NAN), Error::Material(0));
+    assert_eq!(fault(|p| p.materials[0].roughness = 0.0), Error::Material(0));
+    assert_eq!(fault(|p| p.materials[0].texture = 1), Error::Material(0));
+    assert_eq!(fault(|p| p.textures[0].width = 3), Error::Texture(0));
+    assert_eq!(fault(|p| p.textures[0].height = 0), Error::Texture(0));
+    assert_eq!(fault(|p| p.lights[0].triangle = 1), Error::Light(0));
+    assert_eq!(fault(|p| p.lights[0].cumulative = 0.5), Error::Light(0));
+}
+
+#[test]
+fn the_tree_may_be_as_deep_as_the_stack_and_no_deeper() {
+    let chain = |depth: usize| {
+        let inner = (1..depth).map(|next| node(next as u32, 0));
+        inner.chain([node(0, 1)]).collect::<Vec<_>>()
+    };
+    assert_eq!(checked(|p| p.nodes = chain(MAX_DEPTH)), Ok(()));
+    assert_eq!(checked(|p| p.nodes = chain(MAX_DEPTH + 1)), Err(Error::TooDeep));
+    // Two parents share a child: not a tree, and walking it as one could take for ever.
+    let mut shared = node(1, 0);
+    (shared.lower[0][1], shared.upper[0][1], shared.child[1]) = (0.0, 1.0, 1);
+    assert!(matches!(checked(|p| p.nodes = vec![shared, node(0, 1)]), Err(Error::Node(_))));
+}
+
+#[test]
+fn lights_are_picked_by_power() {
+    let triangle = |size: f32| Triangle { corners: [[0.0; 3], [size, 0.0, 0.0], [0.0, size, 0.0]] };
+    let lamp =
+        |radiance: f32| Material { emission: [radiance; 3], texture: NO_TEXTURE, ..Material::default() };
+    let triangles = [triangle(1.0), triangle(2.0), triangle(3.0), triangle(0.0)];
+    let materials = [lamp(8.0), lamp(0.0), lamp(1.0)];
+    let surfaces = [0, 0, 1, 2].map(|material| Surface { material, ..Surface::default() });
+    assert_eq!(
+        light::count(&surfaces, &materials),
+        3,
+        "the lamp without area emits, as far as its material knows"
+    );
+    let mut lights = [Light::default(); 3];
+    let used = light::build(&triangles, &surfaces, &materials, &mut lights);
+    let table: Vec<_> = lights[..used].iter().map(|l| (l.triangle, l.cumulative)).collect();
+    assert_eq!(
+        table,
+        [(0, 0.2), (1, 1.0)],
+        "areas 1 : 4 at equal radiance; no share without area or radiance"
+    );
+}
