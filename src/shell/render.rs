@@ -140,7 +140,8 @@ struct Crew<'a> {
     scene: Scene<'a>,
     camera: Camera,
     max_depth: u32,
-    pool: ThreadPool,
+    /// None for a single worker, which works on the caller's thread.
+    pool: Option<ThreadPool>,
     workers: Vec<Mutex<Worker>>,
 }
 
@@ -157,9 +158,11 @@ impl<'a> Crew<'a> {
         let view = &settings.view;
         let (width, height) = (settings.sampler.width, settings.sampler.height);
         let camera = Camera::new(view.from, view.at, view.up, view.fov, width, height).map_err(setting)?;
-        let pool = ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build();
+        let build = || ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build();
+        let pool = (threads != Some(1)).then(build).transpose();
         let pool = pool.map_err(|error| Error::Work(format!("cannot start threads: {error}")))?;
-        let workers = (0..pool.current_num_threads()).map(|_| Mutex::new(Worker::new())).collect();
+        let count = pool.as_ref().map_or(1, ThreadPool::current_num_threads);
+        let workers = (0..count).map(|_| Mutex::new(Worker::new())).collect();
         let scene = Scene::new(scene.data()).map_err(setting)?;
         Ok(Crew { scene, camera, max_depth: settings.max_depth, pool, workers })
     }
@@ -167,19 +170,25 @@ impl<'a> Crew<'a> {
     /// Renders all jobs of an iteration.
     fn work(&self, jobs: Jobs<'_>, progress: &(dyn Fn(u64) + Sync)) {
         let jobs = Mutex::new(jobs);
-        self.pool.broadcast(|thread| {
-            let worker = &mut *lock(&self.workers[thread.index()]);
-            let mut tracer = PathTracer::new(self.scene, self.camera, self.max_depth, &mut worker.packets);
-            let Ok(mut work) = Workspace::new(&mut worker.batches, &mut worker.radiance) else { return };
-            loop {
-                // A statement of its own, so that the lock is released before the work begins.
-                let next = lock(&jobs).next();
-                let Some(mut job) = next else { break };
-                job.render(&mut tracer, &mut work);
-                progress(job.samples());
-            }
-            worker.traffic = sum(worker.traffic, tracer.traffic());
-        });
+        match &self.pool {
+            Some(pool) => drop(pool.broadcast(|thread| self.work_as(thread.index(), &jobs, progress))),
+            None => self.work_as(0, &jobs, progress),
+        }
+    }
+
+    /// Renders jobs as worker number `index` until none is left.
+    fn work_as(&self, index: usize, jobs: &Mutex<Jobs<'_>>, progress: &(dyn Fn(u64) + Sync)) {
+        let worker = &mut *lock(&self.workers[index]);
+        let mut tracer = PathTracer::new(self.scene, self.camera, self.max_depth, &mut worker.packets);
+        let Ok(mut work) = Workspace::new(&mut worker.batches, &mut worker.radiance) else { return };
+        loop {
+            // A statement of its own, so that the lock is released before the work begins.
+            let next = lock(jobs).next();
+            let Some(mut job) = next else { break };
+            job.render(&mut tracer, &mut work);
+            progress(job.samples());
+        }
+        worker.traffic = sum(worker.traffic, tracer.traffic());
     }
 
     /// Rays traced over lanes of the packets traced.
