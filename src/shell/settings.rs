@@ -238,7 +238,9 @@ mod tests {
 
     #[test]
     fn the_list_keeps_the_digits_of_floats() {
-        let list = settings(Method::Pmc, 16).list();
+        let mut settings = settings(Method::Pmc, 16);
+        settings.sampler.gamma = 2.0 / 3.0;
+        let list = settings.list();
         assert_eq!(list["gamma"].to_string(), "0.6666667");
         assert_eq!(list["epsilon"].to_string(), "0.01");
         assert_eq!(list["estimator"], "balanced");
