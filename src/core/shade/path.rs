@@ -6,8 +6,8 @@
 //! (Veach 1997, section 9.2.4). Depth counts as in Mitsuba: 1 is emitted light seen directly, 2 is direct
 //! lighting. From depth 5 on a path survives with the probability of its throughput, at most 0.95.
 //!
-//! All randomness comes from the samples' own Sobol sets, three for each depth, so a sample's radiance does not
-//! depend on the samples traced beside it.
+//! All randomness comes from the samples' own Sobol sets, three for each depth, whatever is traced beside it;
+//! only hits that are equal up to rounding can depend on the other rays of a packet.
 
 use super::hit::SurfacePoints;
 use super::light::{self, luminance8};
