@@ -1,7 +1,7 @@
 //! `Scene::new` refuses what would lead a ray astray, and names it; the light table follows power.
 
 use pmcip_core::scene::{
-    Error, Light, MAX_DEPTH, Material, NO_TEXTURE, Node8, Scene, SceneData, Surface, Texture, Triangle,
+    Error, Leaf8, Light, MAX_DEPTH, Material, NO_TEXTURE, Node8, Scene, SceneData, Surface, Texture, Triangle,
 };
 use pmcip_core::shade::light;
 
@@ -11,6 +11,7 @@ fn checked(change: impl FnOnce(&mut Parts)) -> Result<(), Error> {
     change(&mut parts);
     let data = SceneData {
         nodes: &parts.nodes,
+        leaves: &parts.leaves,
         triangles: &parts.triangles,
         surfaces: &parts.surfaces,
         materials: &parts.materials,
@@ -23,6 +24,7 @@ fn checked(change: impl FnOnce(&mut Parts)) -> Result<(), Error> {
 
 struct Parts {
     nodes: Vec<Node8>,
+    leaves: Vec<Leaf8>,
     triangles: Vec<Triangle>,
     surfaces: Vec<Surface>,
     materials: Vec<Material>,
@@ -33,9 +35,11 @@ struct Parts {
 
 impl Parts {
     fn new() -> Parts {
+        let triangle = Triangle { corners: [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]] };
         Parts {
             nodes: vec![node(0, 1)],
-            triangles: vec![Triangle { corners: [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]] }],
+            leaves: vec![Leaf8::new(0, &[triangle])],
+            triangles: vec![triangle],
             surfaces: vec![Surface::default()],
             materials: vec![Material { emission: [1.0; 3], texture: 0, ..Material::default() }],
             textures: vec![Texture { width: 2, height: 1, first: 0 }],
@@ -45,7 +49,7 @@ impl Parts {
     }
 }
 
-/// A node with one child: a leaf of `count` triangles, or the inner node `child` if that is 0.
+/// A node with one child: leaf `child` of `count` triangles, or the inner node `child` if that is 0.
 fn node(child: u32, count: u32) -> Node8 {
     let mut node = Node8::EMPTY;
     for axis in 0..3 {
@@ -66,7 +70,13 @@ fn every_fault_is_named() {
     let fault = |change: fn(&mut Parts)| checked(change).unwrap_err();
     assert_eq!(fault(|p| p.surfaces.clear()), Error::SurfaceCount);
     assert_eq!(fault(|p| p.nodes[0] = node(0, 2)), Error::Node(0), "leaf beyond the triangles");
-    assert_eq!(fault(|p| p.nodes[0] = node(u32::MAX, 9)), Error::Node(0), "overflowing leaf");
+    assert_eq!(fault(|p| p.nodes[0] = node(1, 1)), Error::Node(0), "no such leaf");
+    assert_eq!(fault(|p| p.leaves[0] = Leaf8::new(u32::MAX, &[])), Error::Node(0), "overflowing leaf");
+    let nine = |p: &mut Parts| {
+        (p.triangles, p.surfaces) = (vec![p.triangles[0]; 9], vec![p.surfaces[0]; 9]);
+        p.nodes[0] = node(0, 9);
+    };
+    assert_eq!(fault(nine), Error::Node(0), "more triangles than a leaf has room for");
     assert_eq!(fault(|p| p.nodes[0] = node(0, 0)), Error::Node(0), "a node that contains itself");
     assert_eq!(fault(|p| p.nodes[0] = node(7, 0)), Error::Node(0), "no such node");
     assert_eq!(fault(|p| p.surfaces[0].material = 1), Error::Surface(0));

@@ -107,9 +107,9 @@ pub struct Node8 {
     pub lower: [[f32; 8]; 3],
     /// Upper corners. An unused child has `−∞`.
     pub upper: [[f32; 8]; 3],
-    /// For an inner child the index of its node, which is above this node's own; for a leaf its first triangle.
+    /// For an inner child the index of its node, which is above this node's own; else the index of a leaf.
     pub child: [u32; 8],
-    /// Number of triangles of a leaf; 0 for an inner or unused child.
+    /// Number of triangles of a leaf, 1 to 8; 0 for an inner or unused child.
     pub count: [u32; 8],
 }
 
@@ -129,12 +129,39 @@ impl Node8 {
     }
 }
 
+/// Up to eight triangles in structure-of-arrays form, so that one ray meets all of them at once.
+#[repr(C, align(32))]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Leaf8 {
+    /// Coordinates by corner, axis and triangle; NaN, which nothing hits, where there is no triangle.
+    pub(crate) corners: [[[f32; 8]; 3]; 3],
+    /// Index of the first triangle in [`SceneData::triangles`]; the others follow.
+    pub(crate) first: u32,
+}
+
+impl Leaf8 {
+    /// The leaf of `triangles`, of which the first has this index in the scene; those beyond eight are left out.
+    pub fn new(first: u32, triangles: &[Triangle]) -> Self {
+        let mut leaf = Leaf8 { corners: [[[f32::NAN; 8]; 3]; 3], first };
+        for (lane, triangle) in triangles.iter().enumerate().take(8) {
+            for (rows, corner) in leaf.corners.iter_mut().zip(triangle.corners) {
+                for (row, coordinate) in rows.iter_mut().zip(corner) {
+                    row[lane] = coordinate;
+                }
+            }
+        }
+        leaf
+    }
+}
+
 /// The slices a scene is made of, unchecked.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SceneData<'a> {
     /// Hierarchy over `triangles`; node 0 is the root. Empty for an empty scene.
     pub nodes: &'a [Node8],
-    /// Triangles, in the order of the hierarchy's leaves.
+    /// The hierarchy's leaves.
+    pub leaves: &'a [Leaf8],
+    /// Triangles, those of a leaf side by side.
     pub triangles: &'a [Triangle],
     /// One for each triangle.
     pub surfaces: &'a [Surface],
@@ -160,7 +187,8 @@ pub(crate) const STACK: usize = 7 * MAX_DEPTH + 1;
 pub enum Error {
     /// `surfaces` and `triangles` differ in length.
     SurfaceCount,
-    /// The node of this index has a child that does not exist or comes before it, or a leaf beyond the triangles.
+    /// The node of this index has a child that does not exist or comes before it, or a leaf with more than eight
+    /// triangles or some that do not exist.
     Node(usize),
     /// The hierarchy has more than [`MAX_DEPTH`] levels.
     TooDeep,
@@ -251,7 +279,8 @@ fn check_tree(data: &SceneData) -> Result<(), Error> {
         for child in (0..8).filter(|&c| node.is_used(c)) {
             let (first, count) = (node.child[child] as usize, node.count[child] as usize);
             if count > 0 {
-                if first.checked_add(count).is_none_or(|end| end > data.triangles.len()) {
+                let start = data.leaves.get(first).map(|leaf| leaf.first as usize);
+                if count > 8 || start.is_none_or(|start| start.saturating_add(count) > data.triangles.len()) {
                     return Err(Error::Node(index as usize));
                 }
             } else {

@@ -167,6 +167,7 @@ impl<'a> Contents<'a> {
 fn bytes(scene: &LoadedScene) -> usize {
     let data = scene.data();
     size_of_val(data.nodes)
+        + size_of_val(data.leaves)
         + size_of_val(data.triangles)
         + size_of_val(data.surfaces)
         + size_of_val(data.materials)

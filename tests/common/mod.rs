@@ -5,7 +5,7 @@ use pmcip::scene::bvh;
 use pmcip_core::batch::{Batch8, Rgb8};
 use pmcip_core::camera::Camera;
 use pmcip_core::sampler::{Memory, Sampler, Schedule, Settings, Workspace};
-use pmcip_core::scene::{Light, Material, Node8, Scene, SceneData, Surface, Triangle};
+use pmcip_core::scene::{Leaf8, Light, Material, Node8, Scene, SceneData, Surface, Triangle};
 use pmcip_core::shade::light;
 use pmcip_core::shade::path::{Packet, PathTracer, Traffic};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -44,6 +44,7 @@ impl Random {
 /// A scene that owns its arrays.
 pub struct Owned {
     pub nodes: Vec<Node8>,
+    pub leaves: Vec<Leaf8>,
     pub triangles: Vec<Triangle>,
     pub surfaces: Vec<Surface>,
     pub materials: Vec<Material>,
@@ -62,12 +63,13 @@ impl Owned {
         let mut lights = vec![Light::default(); light::count(&surfaces, &materials)];
         let used = light::build(&triangles, &surfaces, &materials, &mut lights);
         lights.truncate(used);
-        Owned { nodes: built.nodes, triangles, surfaces, materials, lights }
+        Owned { nodes: built.nodes, leaves: built.leaves, triangles, surfaces, materials, lights }
     }
 
     pub fn scene(&self) -> Scene<'_> {
         Scene::new(SceneData {
             nodes: &self.nodes,
+            leaves: &self.leaves,
             triangles: &self.triangles,
             surfaces: &self.surfaces,
             materials: &self.materials,

@@ -3,7 +3,7 @@
 use pmcip_core::batch::{Batch8, Rgb8};
 use pmcip_core::camera::Camera;
 use pmcip_core::sampler::{Memory, Sampler, Schedule, Settings, Tally, Workspace};
-use pmcip_core::scene::{Light, Material, Node8, Scene, SceneData, Surface, Triangle};
+use pmcip_core::scene::{Leaf8, Light, Material, Node8, Scene, SceneData, Surface, Triangle};
 use pmcip_core::shade::light;
 use pmcip_core::shade::path::{Packet, PathTracer};
 
@@ -25,6 +25,7 @@ pub fn render() -> Option<(Tally, f32)> {
     ];
     let surfaces = [Surface::default(), Surface { material: 1, ..Surface::default() }];
     let materials = [Material::default(), Material { emission: [LAMP; 3], ..Material::default() }];
+    let leaves = [Leaf8::new(0, &triangles)];
     let mut nodes = [Node8::EMPTY];
     let root = &mut nodes[0];
     for (axis, (low, high)) in [(-1.0, 1.0), (-1.0, 2.0), (0.0, 2.0)].into_iter().enumerate() {
@@ -35,6 +36,7 @@ pub fn render() -> Option<(Tally, f32)> {
     let used = light::build(&triangles, &surfaces, &materials, &mut lights);
     let scene = Scene::new(SceneData {
         nodes: &nodes,
+        leaves: &leaves,
         triangles: &triangles,
         surfaces: &surfaces,
         materials: &materials,

@@ -7,9 +7,10 @@
 //!
 //! * `ray` – packets of rays and hits, and what is precomputed for a packet;
 //! * `triangle` – the watertight triangle test;
-//! * `traverse` – the walk.
+//! * `traverse` – the packet's walk; `single` – the walk of a ray that has parted from its packet.
 
 mod ray;
+mod single;
 mod traverse;
 mod triangle;
 

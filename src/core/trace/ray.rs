@@ -38,16 +38,35 @@ pub struct Hits8 {
     pub triangle: u32x8,
 }
 
-/// What is computed once for a packet: slopes for boxes, an own frame for triangles.
-pub(super) struct Prepared {
-    /// One over the direction, by axis, with zeros replaced by something tiny.
+/// What one ray hit.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Hit {
+    pub t: f32,
+    pub u: f32,
+    pub v: f32,
+    pub triangle: u32,
+}
+
+/// For boxes: one over the direction, with zeros replaced by something tiny, and the origin times that, by axis.
+#[derive(Clone, Copy)]
+pub(super) struct Slopes {
     pub inverse: [f32x8; 3],
-    /// Origin times `inverse`.
     pub offset: [f32x8; 3],
+}
+
+/// For triangles: a frame whose third axis is the ray.
+#[derive(Clone, Copy)]
+pub(super) struct Frames {
     /// Rows of the rotation that maps the direction to the third axis.
-    pub frame: [Vec3x8; 3],
+    pub axes: [Vec3x8; 3],
     /// The origin in that frame.
     pub origin: [f32x8; 3],
+}
+
+/// What is computed once for a packet.
+pub(super) struct Prepared {
+    pub slopes: Slopes,
+    pub frames: Frames,
 }
 
 impl Prepared {
@@ -58,11 +77,32 @@ impl Prepared {
         let o = rays.origin;
         let (u, v) = perpendicular(d);
         Prepared {
-            inverse,
-            offset: [o.x * inverse[0], o.y * inverse[1], o.z * inverse[2]],
-            frame: [u, v, d],
-            origin: [dot(u, o), dot(v, o), dot(d, o)],
+            slopes: Slopes { inverse, offset: [o.x * inverse[0], o.y * inverse[1], o.z * inverse[2]] },
+            frames: Frames { axes: [u, v, d], origin: [dot(u, o), dot(v, o), dot(d, o)] },
         }
+    }
+}
+
+/// The number of one lane, in all lanes.
+#[inline(always)]
+fn one(v: f32x8, lane: usize) -> f32x8 {
+    f32x8::splat(v.as_array()[lane & 7])
+}
+
+impl Frames {
+    /// The frame of one lane, in all lanes.
+    #[inline(always)]
+    pub fn lane(&self, lane: usize) -> Self {
+        let vector = |v: Vec3x8| Vec3x8::new(one(v.x, lane), one(v.y, lane), one(v.z, lane));
+        Frames { axes: self.axes.map(vector), origin: self.origin.map(|v| one(v, lane)) }
+    }
+}
+
+impl Slopes {
+    /// The slopes of one lane, in all lanes.
+    #[inline(always)]
+    pub fn lane(&self, lane: usize) -> Self {
+        Slopes { inverse: self.inverse.map(|v| one(v, lane)), offset: self.offset.map(|v| one(v, lane)) }
     }
 
     /// The signs that all taking part share, by axis: `Some(true)` where every direction is negative.

@@ -1,8 +1,10 @@
 //! The walk through the eight-wide hierarchy.
 
-use super::ray::Prepared;
+use super::ray::{Prepared, Slopes};
+use super::single;
 use super::{Hits8, Rays8, triangle};
 use crate::scene::{Node8, STACK, Scene};
+use crate::vec3::Vec3x8;
 use wide::f32x8;
 
 /// A subtree that waits: a node or, where `count` is not 0, a leaf's triangles; and when each ray enters its box.
@@ -22,12 +24,22 @@ const ROOT: Entry = Entry { near: f32x8::ZERO, nearest: 0.0, first: 0, count: 0 
 pub struct Tracer<'a> {
     scene: Scene<'a>,
     stack: [Entry; STACK],
+    single: single::Stack,
 }
+
+/// Rays that lie in a cone of this cosine around the first are walked as a packet.
+const COHERENT: f32 = 0.95;
+
+/// In a hierarchy of up to this many nodes rays meet the same ones wherever they go: they stay together.
+const SMALL: usize = 64;
+
+/// When no more than this many shadow rays of a packet meet a node, each goes on alone.
+const FEW: u32 = 4;
 
 impl<'a> Tracer<'a> {
     /// A tracer for `scene`.
     pub fn new(scene: Scene<'a>) -> Self {
-        Tracer { scene, stack: [ROOT; STACK] }
+        Tracer { scene, stack: [ROOT; STACK], single: single::EMPTY }
     }
 
     /// The scene that is traced.
@@ -46,11 +58,26 @@ impl<'a> Tracer<'a> {
         if self.scene.data().nodes.is_empty() || active == 0 {
             return hits;
         }
-        match prepared.common_signs(active) {
-            Some(signs) => find_closest(&self.scene, &mut self.stack, &prepared, Signed(signs), &mut hits),
-            None => find_closest(&self.scene, &mut self.stack, &prepared, Mixed, &mut hits),
+        if self.scene.data().nodes.len() > SMALL && !is_coherent(rays.direction, active) {
+            self.find_each(&prepared, active, &mut hits);
+            return hits;
+        }
+        match prepared.slopes.common_signs(active) {
+            Some(signs) => self.find_closest(&prepared, Signed(signs), &mut hits),
+            None => self.find_closest(&prepared, Mixed, &mut hits),
         }
         hits
+    }
+
+    /// The nearest hit of each ray by itself.
+    fn find_each(&mut self, rays: &Prepared, mut lanes: u32, hits: &mut Hits8) {
+        while lanes != 0 {
+            let lane = lanes.trailing_zeros() as usize & 7;
+            lanes &= lanes - 1;
+            let hit =
+                single::find_closest(&self.scene, &mut self.single, rays, lane, hits.t.as_array()[lane]);
+            hits.set_lane(lane, hit);
+        }
     }
 
     /// The lanes, as bits, in which something lies between the origin and `t_max`. Idle lanes are not occluded.
@@ -60,53 +87,109 @@ impl<'a> Tracer<'a> {
         if self.scene.data().nodes.is_empty() || active == 0 {
             return 0;
         }
-        match prepared.common_signs(active) {
-            Some(signs) => find_any(&self.scene, &prepared, Signed(signs), rays.t_max, active),
-            None => find_any(&self.scene, &prepared, Mixed, rays.t_max, active),
+        match prepared.slopes.common_signs(active) {
+            Some(signs) => self.find_any(&prepared, Signed(signs), rays.t_max, active),
+            None => self.find_any(&prepared, Mixed, rays.t_max, active),
         }
+    }
+
+    fn find_closest(&mut self, rays: &Prepared, slabs: impl Slabs, hits: &mut Hits8) {
+        let (data, stack) = (self.scene.data(), &mut self.stack);
+        stack[0] = ROOT;
+        let mut top = 1;
+        while top > 0 {
+            top -= 1;
+            let entry = stack[top];
+            if !entry.near.simd_le(hits.t).any() {
+                continue;
+            }
+            if entry.count > 0 {
+                let leaf = &data.leaves[entry.first as usize];
+                for slot in 0..entry.count as usize {
+                    triangle::closest(&rays.frames, leaf, slot, hits);
+                }
+                continue;
+            }
+            let node = &data.nodes[entry.first as usize];
+            let bottom = top;
+            for child in 0..8 {
+                if !node.is_used(child) {
+                    break;
+                }
+                let near = slabs.enter(&rays.slopes, node, child, hits.t);
+                let inside = near.simd_ge(f32x8::ZERO);
+                if inside.any() {
+                    let near = inside.select(near, f32x8::splat(f32::INFINITY));
+                    let (first, count) = (node.child[child], node.count[child]);
+                    insert(stack, bottom, top, Entry { near, nearest: least(near), first, count });
+                    top += 1;
+                }
+            }
+        }
+    }
+
+    fn find_any(&mut self, rays: &Prepared, slabs: impl Slabs, mut t_max: f32x8, active: u32) -> u32 {
+        let data = self.scene.data();
+        let mut stack = [(0u32, active); STACK];
+        let mut top = 1;
+        let mut blocked = 0;
+        while top > 0 {
+            top -= 1;
+            let (index, met) = stack[top];
+            let mut left = met & !blocked;
+            if left.count_ones() <= FEW {
+                while left != 0 {
+                    let lane = left.trailing_zeros() as usize & 7;
+                    left &= left - 1;
+                    let t = t_max.as_array()[lane];
+                    if single::find_any(&self.scene, &mut self.single, rays, lane, index, t) {
+                        blocked |= 1 << lane;
+                        t_max.as_mut_array()[lane] = -1.0;
+                    }
+                }
+                if blocked == active {
+                    return blocked;
+                }
+                continue;
+            }
+            let node = &data.nodes[index as usize];
+            for child in 0..8 {
+                if !node.is_used(child) {
+                    break;
+                }
+                let met = slabs.enter(&rays.slopes, node, child, t_max).simd_ge(f32x8::ZERO).to_bitmask();
+                if met == 0 {
+                    continue;
+                }
+                let (first, count) = (node.child[child], node.count[child] as usize);
+                if count == 0 {
+                    stack[top] = (first, met);
+                    top += 1;
+                    continue;
+                }
+                let leaf = &data.leaves[first as usize];
+                for slot in 0..count {
+                    let hit = triangle::blocks(&rays.frames, leaf, slot, t_max);
+                    t_max = hit.select(f32x8::splat(-1.0), t_max);
+                    blocked |= hit.to_bitmask();
+                }
+                if blocked == active {
+                    return blocked;
+                }
+            }
+        }
+        blocked
     }
 }
 
-fn find_closest(
-    scene: &Scene<'_>,
-    stack: &mut [Entry; STACK],
-    rays: &Prepared,
-    slabs: impl Slabs,
-    hits: &mut Hits8,
-) {
-    let data = scene.data();
-    stack[0] = ROOT;
-    let mut top = 1;
-    while top > 0 {
-        top -= 1;
-        let entry = stack[top];
-        if !entry.near.simd_le(hits.t).any() {
-            continue;
-        }
-        if entry.count > 0 {
-            let first = entry.first as usize;
-            let leaf = &data.triangles[first..first + entry.count as usize];
-            for (index, triangle) in (entry.first..).zip(leaf) {
-                triangle::closest(rays, triangle, index, hits);
-            }
-            continue;
-        }
-        let node = &data.nodes[entry.first as usize];
-        let bottom = top;
-        for child in 0..8 {
-            if !node.is_used(child) {
-                break;
-            }
-            let near = slabs.enter(rays, node, child, hits.t);
-            let inside = near.simd_ge(f32x8::ZERO);
-            if inside.any() {
-                let near = inside.select(near, f32x8::splat(f32::INFINITY));
-                let (first, count) = (node.child[child], node.count[child]);
-                insert(stack, bottom, top, Entry { near, nearest: least(near), first, count });
-                top += 1;
-            }
-        }
-    }
+/// Whether all active directions lie in a narrow cone.
+#[inline(always)]
+fn is_coherent(direction: Vec3x8, active: u32) -> bool {
+    let first = active.trailing_zeros() as usize & 7;
+    let one = |v: f32x8| f32x8::splat(v.as_array()[first]);
+    let axis = Vec3x8::new(one(direction.x), one(direction.y), one(direction.z));
+    let near = direction.dot(axis).simd_ge(f32x8::splat(COHERENT)).to_bitmask();
+    active & !near == 0
 }
 
 /// Puts `entry` among `stack[bottom..top]`, which is sorted so that the nearest comes last.
@@ -127,44 +210,10 @@ fn least(near: f32x8) -> f32 {
     lesser(lesser(lesser(a, b), lesser(c, d)), lesser(lesser(e, f), lesser(g, h)))
 }
 
-fn find_any(scene: &Scene<'_>, rays: &Prepared, slabs: impl Slabs, mut t_max: f32x8, active: u32) -> u32 {
-    let data = scene.data();
-    let mut stack = [0u32; STACK];
-    let mut top = 1;
-    let mut blocked = 0;
-    while top > 0 {
-        top -= 1;
-        let node = &data.nodes[stack[top] as usize];
-        for child in 0..8 {
-            if !node.is_used(child) {
-                break;
-            }
-            if !slabs.enter(rays, node, child, t_max).simd_ge(f32x8::ZERO).any() {
-                continue;
-            }
-            let (first, count) = (node.child[child], node.count[child] as usize);
-            if count == 0 {
-                stack[top] = first;
-                top += 1;
-                continue;
-            }
-            for triangle in &data.triangles[first as usize..first as usize + count] {
-                let hit = triangle::blocks(rays, triangle, t_max);
-                t_max = hit.select(f32x8::splat(-1.0), t_max);
-                blocked |= hit.to_bitmask();
-            }
-            if blocked == active {
-                return blocked;
-            }
-        }
-    }
-    blocked
-}
-
 /// How the packet enters a child's box.
 trait Slabs {
     /// The distance, at least 0, at which each ray enters the box; negative where it misses.
-    fn enter(&self, rays: &Prepared, node: &Node8, child: usize, t_max: f32x8) -> f32x8;
+    fn enter(&self, slopes: &Slopes, node: &Node8, child: usize, t_max: f32x8) -> f32x8;
 }
 
 /// All rays point into the same octant: which plane comes first is known.
@@ -172,10 +221,10 @@ struct Signed([bool; 3]);
 
 impl Slabs for Signed {
     #[inline(always)]
-    fn enter(&self, rays: &Prepared, node: &Node8, child: usize, t_max: f32x8) -> f32x8 {
+    fn enter(&self, slopes: &Slopes, node: &Node8, child: usize, t_max: f32x8) -> f32x8 {
         let plane = |axis: usize, upper: bool| {
             let bounds = if upper { &node.upper } else { &node.lower };
-            slope(rays, axis, bounds[axis][child])
+            slope(slopes, axis, bounds[axis][child])
         };
         let near = [0, 1, 2].map(|axis| plane(axis, self.0[axis]));
         let far = [0, 1, 2].map(|axis| plane(axis, !self.0[axis]));
@@ -188,9 +237,9 @@ struct Mixed;
 
 impl Slabs for Mixed {
     #[inline(always)]
-    fn enter(&self, rays: &Prepared, node: &Node8, child: usize, t_max: f32x8) -> f32x8 {
-        let lower = [0, 1, 2].map(|axis| slope(rays, axis, node.lower[axis][child]));
-        let upper = [0, 1, 2].map(|axis| slope(rays, axis, node.upper[axis][child]));
+    fn enter(&self, slopes: &Slopes, node: &Node8, child: usize, t_max: f32x8) -> f32x8 {
+        let lower = [0, 1, 2].map(|axis| slope(slopes, axis, node.lower[axis][child]));
+        let upper = [0, 1, 2].map(|axis| slope(slopes, axis, node.upper[axis][child]));
         let near = [0, 1, 2].map(|axis| lower[axis].fast_min(upper[axis]));
         let far = [0, 1, 2].map(|axis| lower[axis].fast_max(upper[axis]));
         overlap(near, far, t_max)
@@ -199,8 +248,8 @@ impl Slabs for Mixed {
 
 /// The distance at which each ray meets the plane.
 #[inline(always)]
-fn slope(rays: &Prepared, axis: usize, plane: f32) -> f32x8 {
-    f32x8::splat(plane).mul_sub(rays.inverse[axis], rays.offset[axis])
+fn slope(slopes: &Slopes, axis: usize, plane: f32) -> f32x8 {
+    f32x8::splat(plane).mul_sub(slopes.inverse[axis], slopes.offset[axis])
 }
 
 #[inline(always)]

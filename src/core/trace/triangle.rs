@@ -6,9 +6,9 @@
 //! the same coordinates in both, and swapping an edge's ends negates its edge function exactly (the products are
 //! not fused), so a ray that leaves one triangle across the edge enters the other.
 
-use super::ray::Prepared;
+use super::ray::{Frames, Hit};
 use super::{Hits8, MISS};
-use crate::scene::Triangle;
+use crate::scene::Leaf8;
 use crate::vec3::Vec3x8;
 use wide::{f32x8, u32x8};
 
@@ -20,13 +20,12 @@ struct Candidate {
     v: f32x8,
 }
 
-/// The intersection, or none if no lane passes through the triangle.
+/// The intersection, or none if no lane passes through its triangle.
+///
+/// A lane is a ray, its triangle, or both: what is the same in all lanes is splatted by the caller.
 #[inline(always)]
-fn intersect(rays: &Prepared, triangle: &Triangle, t_max: f32x8) -> Option<Candidate> {
-    let corner = triangle.corners.map(|c| {
-        let c = Vec3x8::splat(c);
-        [coordinate(rays, 0, c), coordinate(rays, 1, c)]
-    });
+fn intersect(rays: &Frames, corners: [Vec3x8; 3], t_max: f32x8) -> Option<Candidate> {
+    let corner = corners.map(|c| [coordinate(rays, 0, c), coordinate(rays, 1, c)]);
     let edge = |a: usize, b: usize| corner[a][0] * corner[b][1] - corner[a][1] * corner[b][0];
     let w = [edge(1, 2), edge(2, 0), edge(0, 1)];
     let zero = f32x8::ZERO;
@@ -36,7 +35,7 @@ fn intersect(rays: &Prepared, triangle: &Triangle, t_max: f32x8) -> Option<Candi
     if !inside.any() {
         return None;
     }
-    let distance = triangle.corners.map(|c| coordinate(rays, 2, Vec3x8::splat(c)));
+    let distance = corners.map(|c| coordinate(rays, 2, c));
     let sum = w[0] + w[1] + w[2];
     let inverse = f32x8::ONE / sum;
     let (u, v) = (w[1] * inverse, w[2] * inverse);
@@ -47,15 +46,16 @@ fn intersect(rays: &Prepared, triangle: &Triangle, t_max: f32x8) -> Option<Candi
 
 /// Coordinate `k` of a corner in the rays' frames, relative to their origins.
 #[inline(always)]
-fn coordinate(rays: &Prepared, k: usize, corner: Vec3x8) -> f32x8 {
-    super::ray::dot(rays.frame[k], corner) - rays.origin[k]
+fn coordinate(rays: &Frames, k: usize, corner: Vec3x8) -> f32x8 {
+    super::ray::dot(rays.axes[k], corner) - rays.origin[k]
 }
 
-/// Replaces `hits` in the lanes where triangle `index` is nearer, or as near with a lower index.
+/// Replaces `hits` in the lanes where triangle `index`, number `slot` of `leaf`, is nearer, or as near with a lower
+/// index.
 #[inline(always)]
-pub(super) fn closest(rays: &Prepared, triangle: &Triangle, index: u32, hits: &mut Hits8) {
-    let Some(candidate) = intersect(rays, triangle, hits.t) else { return };
-    let index = u32x8::splat(index);
+pub(super) fn closest(rays: &Frames, leaf: &Leaf8, slot: usize, hits: &mut Hits8) {
+    let Some(candidate) = intersect(rays, one(leaf, slot), hits.t) else { return };
+    let index = u32x8::splat(leaf.first + slot as u32);
     let tie = candidate.t.simd_eq(hits.t);
     let lower: f32x8 = bytemuck::cast(index.simd_lt(hits.triangle));
     let nearer = candidate.t.simd_lt(hits.t) | (tie & lower);
@@ -66,10 +66,47 @@ pub(super) fn closest(rays: &Prepared, triangle: &Triangle, index: u32, hits: &m
     hits.triangle = take.select(index, hits.triangle);
 }
 
-/// Lanes in which the triangle lies between origin and `t_max`.
+/// Lanes in which triangle number `slot` of `leaf` lies between origin and `t_max`.
 #[inline(always)]
-pub(super) fn blocks(rays: &Prepared, triangle: &Triangle, t_max: f32x8) -> f32x8 {
-    intersect(rays, triangle, t_max).map_or(f32x8::ZERO, |candidate| candidate.valid)
+pub(super) fn blocks(rays: &Frames, leaf: &Leaf8, slot: usize, t_max: f32x8) -> f32x8 {
+    intersect(rays, one(leaf, slot), t_max).map_or(f32x8::ZERO, |candidate| candidate.valid)
+}
+
+/// One ray against all triangles of a leaf: replaces `hit` if one is nearer, or as near with a lower index.
+#[inline(always)]
+pub(super) fn closest_of(ray: &Frames, leaf: &Leaf8, hit: &mut Hit) {
+    let Some(candidate) = intersect(ray, all(leaf), f32x8::splat(hit.t)) else { return };
+    let mut lanes = candidate.valid.to_bitmask();
+    if lanes == 0 {
+        return;
+    }
+    let (t, u, v) = (candidate.t.to_array(), candidate.u.to_array(), candidate.v.to_array());
+    while lanes != 0 {
+        let lane = lanes.trailing_zeros() as usize & 7;
+        lanes &= lanes - 1;
+        let triangle = leaf.first + lane as u32;
+        if t[lane] < hit.t || (t[lane] == hit.t && triangle < hit.triangle) {
+            *hit = Hit { t: t[lane], u: u[lane], v: v[lane], triangle };
+        }
+    }
+}
+
+/// Whether a triangle of the leaf lies between one ray's origin and `t_max`.
+#[inline(always)]
+pub(super) fn any_blocks(ray: &Frames, leaf: &Leaf8, t_max: f32) -> bool {
+    intersect(ray, all(leaf), f32x8::splat(t_max)).is_some_and(|candidate| candidate.valid.any())
+}
+
+/// The corners of one triangle of a leaf, in all lanes.
+#[inline(always)]
+fn one(leaf: &Leaf8, slot: usize) -> [Vec3x8; 3] {
+    leaf.corners.each_ref().map(|c| Vec3x8::splat([0, 1, 2].map(|axis| c[axis][slot & 7])))
+}
+
+/// The corners of all triangles of a leaf, one a lane.
+#[inline(always)]
+fn all(leaf: &Leaf8) -> [Vec3x8; 3] {
+    leaf.corners.each_ref().map(|[x, y, z]| Vec3x8::new((*x).into(), (*y).into(), (*z).into()))
 }
 
 impl Hits8 {
@@ -77,6 +114,15 @@ impl Hits8 {
     #[inline(always)]
     pub(crate) fn any(&self) -> bool {
         self.triangle.simd_ne(u32x8::splat(MISS)).any()
+    }
+
+    /// Replaces what the ray of one lane hit.
+    #[inline(always)]
+    pub(super) fn set_lane(&mut self, lane: usize, hit: Hit) {
+        self.t.as_mut_array()[lane & 7] = hit.t;
+        self.u.as_mut_array()[lane & 7] = hit.u;
+        self.v.as_mut_array()[lane & 7] = hit.v;
+        self.triangle.as_mut_array()[lane & 7] = hit.triangle;
     }
 
     /// Nothing hit up to `t_max`.

@@ -129,6 +129,7 @@ impl Assembly {
             name: path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
             path: path.to_owned(),
             nodes: bvh.nodes,
+            leaves: bvh.leaves,
             triangles: self.triangles,
             surfaces: self.surfaces,
             materials: self.materials,

@@ -66,7 +66,7 @@ pub use error::Error;
 /// The largest width or height of an image, in pixels.
 pub const MAX_SIZE: u32 = 16384;
 
-use pmcip_core::scene::{Light, Material, Node8, SceneData, Surface, Texture, Triangle};
+use pmcip_core::scene::{Leaf8, Light, Material, Node8, SceneData, Surface, Texture, Triangle};
 use std::path::{Path, PathBuf};
 
 /// From where a scene is seen.
@@ -91,6 +91,8 @@ pub struct LoadedScene {
     pub path: PathBuf,
     /// Hierarchy over the triangles.
     pub nodes: Vec<Node8>,
+    /// The hierarchy's leaves.
+    pub leaves: Vec<Leaf8>,
     /// Triangles in leaf order.
     pub triangles: Vec<Triangle>,
     /// One a triangle.
@@ -124,6 +126,7 @@ impl LoadedScene {
     pub fn data(&self) -> SceneData<'_> {
         SceneData {
             nodes: &self.nodes,
+            leaves: &self.leaves,
             triangles: &self.triangles,
             surfaces: &self.surfaces,
             materials: &self.materials,
