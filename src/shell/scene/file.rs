@@ -15,6 +15,7 @@ use toml::Spanned;
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct SceneFile {
+    made_by: Option<String>,
     #[serde(default)]
     film: FilmTable,
     #[serde(default)]
@@ -146,7 +147,11 @@ pub(super) fn load_scene(path: &Path) -> Result<LoadedScene, Error> {
     };
     for mesh in &scene.meshes {
         let material = mesh.material.as_ref().map(find).transpose()?;
-        obj::add_mesh(&mut assembly, &path.with_file_name(&mesh.file), &mesh.placement(), material)?;
+        let file = path.with_file_name(&mesh.file);
+        if let (Some(command), false) = (&scene.made_by, file.exists()) {
+            return Err(Error::in_file(&file, format!("not there: run `{command}` first")));
+        }
+        obj::add_mesh(&mut assembly, &file, &mesh.placement(), material)?;
     }
     for sphere in &scene.spheres {
         add(&mut assembly, path, sphere.triangles(), find(&sphere.material)?);

@@ -7,6 +7,8 @@
 //! # The scene file
 //!
 //! ```toml
+//! made_by = "make meshes"     # optional: what to run if a mesh file is missing, for the message that says so
+//!
 //! [film]                      # optional, as is every key in it
 //! width = 512
 //! height = 512
