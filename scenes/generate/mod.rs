@@ -6,7 +6,9 @@
 pub mod mesh;
 pub mod noise;
 pub mod polygonise;
+pub mod room;
 pub mod sdf;
+pub mod shapes;
 pub mod statue;
 pub mod writer;
 
@@ -19,6 +21,8 @@ use writer::Files;
 pub enum Scene {
     /// A seated sage, carved in stone.
     Statue,
+    /// A living room in the evening.
+    Room,
 }
 
 /// What [`make`] did.
@@ -42,12 +46,13 @@ const COMMON: &str = concat!(
 
 impl Scene {
     /// All scenes.
-    pub const ALL: [Scene; 1] = [Scene::Statue];
+    pub const ALL: [Scene; 2] = [Scene::Statue, Scene::Room];
 
     /// The scene's name: that of its file and of its folder in the cache.
     pub fn name(self) -> &'static str {
         match self {
             Scene::Statue => "statue",
+            Scene::Room => "room",
         }
     }
 
@@ -55,18 +60,21 @@ impl Scene {
     pub fn file(self) -> &'static str {
         match self {
             Scene::Statue => include_str!("../statue.toml"),
+            Scene::Room => include_str!("../room.toml"),
         }
     }
 
     fn sources(self) -> &'static str {
         match self {
             Scene::Statue => statue::SOURCES,
+            Scene::Room => room::SOURCES,
         }
     }
 
     fn files(self, detail: f32) -> Result<Files> {
         match self {
             Scene::Statue => Ok(statue::files(detail)),
+            Scene::Room => room::files(detail),
         }
     }
 }
