@@ -190,6 +190,7 @@ impl SceneFile {
             cd_per_unit: self.film.cd_per_unit.map_or(default.cd_per_unit, |v| v.0),
             spp: self.render.spp.map(Into::into),
             max_depth: self.render.max_depth.map(Into::into),
+            soft_box: false,
         }
     }
 }
@@ -225,15 +226,13 @@ impl SphereTable {
 }
 
 impl LightTable {
-    /// Adds the rectangle, black where it does not shine.
+    /// Adds the rectangle.
     fn add(&self, assembly: &mut Assembly, path: &Path) -> Result<(), &'static str> {
         let (u, v) = (self.edge_u.vec3(), self.edge_v.vec3());
         if u.cross(v).length_squared() <= 1e-12 * u.length_squared() * v.length_squared() {
             return Err("lights: edge_u and edge_v span no area");
         }
-        let material = Material { diffuse: [0.0; 3], emission: self.radiance.0, ..Material::default() };
-        let index = assembly.add_material(material);
-        add(assembly, path, shapes::rectangle(self.center.vec3(), u, v), index);
+        assembly.add_lamp(path, self.center.vec3(), [u, v], self.radiance.0);
         Ok(())
     }
 }

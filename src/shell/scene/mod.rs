@@ -1,7 +1,8 @@
 //! Scenes from disk: a scene file (TOML) or a bare OBJ becomes the arrays that the core borrows.
 //!
 //! [`load`] reads everything, reports what it had to guess in [`LoadedScene::warnings`], and refuses what it
-//! cannot understand with one line that names the file and the line. Lengths are scene units, colours linear
+//! cannot understand with one line that names the file and the line. An OBJ is framed as a whole; if none of its
+//! materials shines, a soft box behind the camera, above and to the left, lights it. Lengths are scene units, colours linear
 //! Rec. 709, angles degrees.
 //!
 //! # The scene file
@@ -143,12 +144,7 @@ impl LoadedScene {
         if !self.lights.is_empty() {
             return Ok(());
         }
-        let remedy = if is_obj(&self.path) {
-            "give a material in the MTL file an emission (Ke)"
-        } else {
-            "add [[lights]] or a material with emission"
-        };
-        Err(Error::in_file(&self.path, format!("no light: {remedy}")))
+        Err(Error::in_file(&self.path, "no light: add [[lights]] or a material with emission"))
     }
 }
 
