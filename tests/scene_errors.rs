@@ -119,9 +119,20 @@ fn material_files_name_line_material_and_key() {
 
 #[test]
 fn scenes_without_light_say_what_to_add() {
+    obj_fails(
+        &format!("{CORNERS}f 1 2 3\n"),
+        "s.obj: no light: give a material in the MTL file an emission (Ke)",
+    );
     let sphere =
         "[[spheres]]\ncenter = [0, 0, 0]\nradius = 1\nsubdivisions = 1\nmaterial = \"m\"\n[materials.m]\n";
     toml_fails(sphere, "s.toml: no light: add [[lights]] or a material with emission");
+}
+
+#[test]
+fn meshes_that_can_be_made_say_how() {
+    let mesh = "[[meshes]]\nfile = \"m.obj\"\n";
+    toml_fails(&format!("made_by = \"make m\"\n{mesh}"), "m.obj: not there: run `make m` first");
+    toml_fails(&format!("made_by = 1\n{mesh}"), "s.toml:1: ");
 }
 
 #[test]

@@ -74,6 +74,7 @@ pub fn sheet(columns: usize, rows: usize, map: impl Fn(f32, f32) -> Vec3) -> Mes
         let across = map(u, v + STEP) - map(u, v - STEP);
         (map(u, v), along.cross(across).normalize_or(Vec3::Y), vec2(u, v))
     });
+    mesh.flatten_backward();
     mesh
 }
 

@@ -78,7 +78,7 @@ fn write_part(text: &mut String, material: &str, mesh: &Mesh, first: usize) {
     // Writing to a string cannot fail.
     let mut line = |arguments: std::fmt::Arguments| text.write_fmt(arguments).unwrap_or_default();
     for p in &mesh.positions {
-        line(format_args!("v {:.5} {:.5} {:.5}\n", p.x, p.y, p.z));
+        line(format_args!("v {:.6} {:.6} {:.6}\n", p.x, p.y, p.z));
     }
     for uv in &mesh.uvs {
         line(format_args!("vt {:.4} {:.4}\n", uv.x, uv.y));

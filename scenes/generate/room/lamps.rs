@@ -30,7 +30,7 @@ pub fn floor_lamp() -> Set {
         (0.0, 1.42),
     ];
     set.add("brass", &lathe(&foot, 64));
-    set.place("bulb-large", &ball(0.06, 12), at(0.0, 1.50, 0.0));
+    set.place("bulb-large", &ball(0.09, 16), at(0.0, 1.50, 0.0));
     shade(&mut set, "glow-large", (0.21, 1.36), (0.14, 1.64));
     set
 }
@@ -53,7 +53,7 @@ pub fn table_lamp() -> Set {
     ];
     set.add("celadon", &lathe(&rounded(&belly), 64));
     set.add("brass", &drum(0.008, 0.25, 0.32, 16));
-    set.place("bulb-medium", &ball(0.035, 12), at(0.0, 0.35, 0.0));
+    set.place("bulb-medium", &ball(0.06, 16), at(0.0, 0.36, 0.0));
     shade(&mut set, "glow-medium", (0.15, 0.26), (0.10, 0.45));
     set
 }
@@ -73,7 +73,7 @@ pub fn pendant() -> Set {
     set.add("enamel", &lathe(&inner, 72));
     set.add("copper", &lathe(&[inner[inner.len() - 1], outer[0]], 72));
     set.add("black", &tube(&[(vec3(0.0, 0.09, 0.0), 0.004), (vec3(0.0, 1.2, 0.0), 0.004)], 10));
-    set.add("bulb-pendant", &ball(0.04, 12));
+    set.add("bulb-pendant", &ball(0.075, 16));
     set
 }
 
@@ -84,7 +84,7 @@ fn candle(height: f32) -> Set {
         [(0.0, 0.0), (0.035, 0.0), (0.035, 0.004), (0.012, 0.01), (0.012, 0.03), (0.02, 0.034), (0.0, 0.034)];
     set.add("brass", &lathe(&foot, 40));
     set.add("wax", &drum(0.011, 0.034, height, 32));
-    let flame = [(0.0, 0.0), (0.004, 0.006), (0.005, 0.012), (0.003, 0.024), (0.0, 0.034)];
+    let flame = [(0.0, 0.0), (0.006, 0.006), (0.008, 0.014), (0.005, 0.030), (0.0, 0.044)];
     set.place("flame", &lathe(&flame, 6), at(0.0, height + 0.006, 0.0));
     set.add("black", &tube(&[(vec3(0.0, height, 0.0), 0.001), (vec3(0.0, height + 0.008, 0.0), 0.001)], 6));
     set
@@ -112,8 +112,8 @@ pub fn fixed(shelf: Affine3A) -> Set {
         (picture, 0.006),
     ];
     set.add("brass", &tube(&arm, 12));
-    set.add("brass", &tube(&[(picture - Vec3::X * 0.2, 0.014), (picture + Vec3::X * 0.2, 0.014)], 24));
-    set.add("picture-light", &panel(picture - Vec3::Y * 0.016, Vec3::X * 0.19, Vec3::Z * 0.008));
+    set.add("brass", &tube(&[(picture - Vec3::X * 0.2, 0.015), (picture + Vec3::X * 0.2, 0.015)], 24));
+    set.add("picture-light", &panel(picture - Vec3::Y * 0.017, Vec3::X * 0.19, Vec3::Z * 0.016));
     for y in [1.238, 1.628] {
         set.place("strip", &panel(vec3(0.0, y, 0.135), Vec3::X * 0.86, Vec3::Z * 0.006), shelf);
     }

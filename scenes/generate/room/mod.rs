@@ -55,14 +55,15 @@ pub fn files(detail: f32) -> Result<Files> {
     for (name, image) in &images {
         files.add_png(name, image)?;
     }
-    for (name, set) in sets(STEP / detail, detail) {
+    for (name, set) in sets(detail) {
         set.write(&mut files, name);
     }
     Ok(files)
 }
 
 /// The meshes by file. Lamps that may move stand at their own origin; the scene file places them.
-fn sets(step: f32, detail: f32) -> Vec<(&'static str, Set)> {
+pub fn sets(detail: f32) -> Vec<(&'static str, Set)> {
+    let step = STEP / detail;
     let shelf = at(1.70, 0.0, shell::LOW.z + 0.17);
     let [dining, coffee, _] = furniture::PLACES;
     let mut things = Set::default();

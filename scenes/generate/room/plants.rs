@@ -45,7 +45,7 @@ fn leaf(size: f32) -> Mesh {
     sheet(10, 16, |u, v| {
         let s = 1.0 - 2.0 * u;
         let t = v.clamp(0.0, 1.0);
-        let width = 0.36 * (PI * t.powf(0.75)).sin().max(0.0).powf(0.8) * (1.0 + 0.35 * t) + 0.004;
+        let width = 0.36 * (PI * t.powf(0.75)).sin().max(0.0).powf(0.8) * (1.0 + 0.35 * t) + 0.02;
         let wave = 0.03 * (5.0 * PI * t).sin() * s * s;
         let veins = 0.008 * (16.0 * t - 5.0 * s.abs()).sin() * s.abs();
         let y = -0.42 * t * t + 0.10 * s.abs() + wave + veins;

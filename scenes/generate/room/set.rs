@@ -25,6 +25,11 @@ impl Set {
         other.0.iter().for_each(|(material, mesh)| self.place(material, mesh, map));
     }
 
+    /// The number of triangles.
+    pub fn triangles(&self) -> usize {
+        self.0.values().map(|mesh| mesh.triangles.len()).sum()
+    }
+
     /// Writes it as `name.obj`.
     pub fn write(&self, files: &mut Files, name: &str) {
         let parts: Vec<_> = self.0.iter().map(|(material, mesh)| (*material, mesh)).collect();

@@ -48,7 +48,7 @@ Kd 0.50 0.47 0.43
 pub fn files(detail: f32) -> Files {
     let mut files = Files::default();
     files.add_text("materials.mtl", MATERIALS);
-    files.add_obj("statue", &[("stone", &mesh(STEP / detail))]);
+    files.add_obj("statue", &[("stone", &mesh(detail))]);
     files.add_obj("floor", &[("floor", &floor())]);
     files
 }
@@ -62,11 +62,11 @@ fn floor() -> Mesh {
     mesh
 }
 
-/// The statue's surface in cells of side `step`; it stands on y = 0 and looks along +z.
-pub fn mesh(step: f32) -> Mesh {
+/// The statue's surface; it stands on y = 0 and looks along +z.
+pub fn mesh(detail: f32) -> Mesh {
     let low = Vec3::new(-HALF.0, -0.05, -HALF.1);
     let high = Vec3::new(HALF.0, TOP, HALF.1);
-    polygonise::surface(solid, low, high, step)
+    polygonise::surface(solid, low, high, STEP / detail)
 }
 
 /// The whole statue; below the floor there is nothing.

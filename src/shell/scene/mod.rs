@@ -1,9 +1,11 @@
 //! Scenes from disk: a scene file (TOML) or a bare OBJ becomes the arrays that the core borrows.
 //!
 //! [`load`] reads everything, reports what it had to guess in [`LoadedScene::warnings`], and refuses what it
-//! cannot understand with one line that names the file and the line. An OBJ is framed as a whole; if none of its
-//! materials shines, a soft box behind the camera, above and to the left, lights it. Lengths are scene units, colours linear
+//! cannot understand with one line that names the file and the line. Lengths are scene units, colours linear
 //! Rec. 709, angles degrees.
+//!
+//! An OBJ is framed as a whole, seen along −z. [`load_lit`] lights one whose materials do not shine by a lamp behind
+//! the camera, above and to the left; it stays there when the command line moves the camera.
 //!
 //! # The scene file
 //!
@@ -144,7 +146,12 @@ impl LoadedScene {
         if !self.lights.is_empty() {
             return Ok(());
         }
-        Err(Error::in_file(&self.path, "no light: add [[lights]] or a material with emission"))
+        let remedy = if is_obj(&self.path) {
+            "give a material in the MTL file an emission (Ke)"
+        } else {
+            "add [[lights]] or a material with emission"
+        };
+        Err(Error::in_file(&self.path, format!("no light: {remedy}")))
     }
 }
 
@@ -153,7 +160,20 @@ impl LoadedScene {
 /// # Errors
 /// If a file cannot be read or understood, or holds no triangle.
 pub fn load(path: &Path) -> Result<LoadedScene, Error> {
-    if is_obj(path) { obj::load_scene(path) } else { file::load_scene(path) }
+    if is_obj(path) { obj::load_scene(path, false) } else { file::load_scene(path) }
+}
+
+/// Loads a scene to be rendered: as [`load`], but something shines in it. An OBJ without light gets a lamp behind the
+/// camera, and a warning that says so.
+///
+/// # Errors
+/// As [`load`], and if a scene file has no light.
+pub fn load_lit(path: &Path) -> Result<LoadedScene, Error> {
+    if is_obj(path) {
+        return obj::load_scene(path, true);
+    }
+    let scene = file::load_scene(path)?;
+    scene.require_light().map(|()| scene)
 }
 
 fn is_obj(path: &Path) -> bool {

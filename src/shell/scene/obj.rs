@@ -2,7 +2,7 @@
 //!
 //! Polygons become fans around their first corner, which is right for convex ones (and for concave ones only if
 //! the first corner sees all others). A triangle without normals at all its corners is flat. Groups and objects
-//! do not matter. An OBJ that is a scene of its own and has no light is lit from behind the camera. Curves, free-form surfaces, points and lines are left out.
+//! do not matter. Curves, free-form surfaces, points and lines are left out.
 
 use super::assemble::{Assembly, Corner, Oddities, Shot};
 use super::error::read;
@@ -14,12 +14,12 @@ use pmcip_core::scene::Material;
 use std::path::Path;
 use tobj::{LoadOptions, Mesh, Model};
 
-/// Loads an OBJ as a scene of its own: default film, a camera framed on it, lights from its materials, or a soft box
-/// if none of them shines.
-pub(super) fn load_scene(path: &Path) -> Result<LoadedScene, Error> {
+/// Loads an OBJ as a scene of its own: default film, a camera framed on it, lights from its materials, or if none of
+/// them shines and `soft_box` allows it, a lamp behind the camera.
+pub(super) fn load_scene(path: &Path, soft_box: bool) -> Result<LoadedScene, Error> {
     let mut assembly = Assembly::default();
     add_mesh(&mut assembly, path, &Placement::IDENTITY, None)?;
-    assembly.finish(path, Shot { soft_box: true, ..Shot::default() })
+    assembly.finish(path, Shot { soft_box, ..Shot::default() })
 }
 
 /// Adds the triangles of an OBJ file, all of one `material` if it is given.
