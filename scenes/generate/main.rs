@@ -34,7 +34,7 @@ fn main() -> ExitCode {
         let file = arguments.output.join(scene.name()).with_extension("toml");
         match make(scene, 1.0, &arguments.output) {
             Ok(Outcome::Kept) => println!("{}: up to date", file.display()),
-            Ok(Outcome::Made) => println!("{}: made", file.display()),
+            Ok(Outcome::Made(triangles)) => println!("{}: made {triangles} triangles", file.display()),
             Err(reason) => {
                 eprintln!("{}: {reason}", file.display());
                 return ExitCode::FAILURE;

@@ -30,8 +30,8 @@ pub enum Scene {
 pub enum Outcome {
     /// The files were there.
     Kept,
-    /// The files were made.
-    Made,
+    /// The files were made, with this number of triangles.
+    Made(usize),
 }
 
 /// The sources that every scene depends on.
@@ -90,8 +90,9 @@ pub fn make(scene: Scene, detail: f32, folder: &Path) -> Result<Outcome> {
     let outcome = if writer::is_fresh(&cache, &key) {
         Outcome::Kept
     } else {
-        scene.files(detail)?.write(&cache, &key)?;
-        Outcome::Made
+        let files = scene.files(detail)?;
+        files.write(&cache, &key)?;
+        Outcome::Made(files.triangles())
     };
     let file = folder.join(scene.name()).with_extension("toml");
     if !file.exists() {

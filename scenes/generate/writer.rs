@@ -9,7 +9,10 @@ use std::path::{Path, PathBuf};
 
 /// Files of one scene, in memory.
 #[derive(Debug, Default)]
-pub struct Files(Vec<(String, Vec<u8>)>);
+pub struct Files {
+    contents: Vec<(String, Vec<u8>)>,
+    triangles: usize,
+}
 
 /// The file in the cache that lists the others.
 const STAMP: &str = "stamp";
@@ -22,13 +25,19 @@ impl Files {
         for (material, mesh) in parts {
             write_part(&mut text, material, mesh, first);
             first += mesh.positions.len();
+            self.triangles += mesh.triangles.len();
         }
-        self.0.push((format!("{name}.obj"), text.into_bytes()));
+        self.contents.push((format!("{name}.obj"), text.into_bytes()));
+    }
+
+    /// Triangles in all OBJ files.
+    pub fn triangles(&self) -> usize {
+        self.triangles
     }
 
     /// Adds a text file.
     pub fn add_text(&mut self, name: &str, text: &str) {
-        self.0.push((name.to_owned(), text.as_bytes().to_vec()));
+        self.contents.push((name.to_owned(), text.as_bytes().to_vec()));
     }
 
     /// Adds a PNG.
@@ -38,7 +47,7 @@ impl Files {
     pub fn add_png(&mut self, name: &str, image: &RgbImage) -> Result<()> {
         let mut bytes = std::io::Cursor::new(Vec::new());
         image.write_to(&mut bytes, image::ImageFormat::Png).map_err(std::io::Error::other)?;
-        self.0.push((format!("{name}.png"), bytes.into_inner()));
+        self.contents.push((format!("{name}.png"), bytes.into_inner()));
         Ok(())
     }
 
@@ -53,7 +62,7 @@ impl Files {
             fs::remove_file(&stamp)?;
         }
         let mut text = format!("{key}\n");
-        for (name, bytes) in &self.0 {
+        for (name, bytes) in &self.contents {
             fs::write(folder.join(name), bytes)?;
             // Writing to a string cannot fail.
             let _ = writeln!(text, "{} {name}", blake3::hash(bytes));

@@ -62,7 +62,7 @@ pub fn files(detail: f32) -> Result<Files> {
 }
 
 /// The meshes by file. Lamps that may move stand at their own origin; the scene file places them.
-pub fn sets(detail: f32) -> Vec<(&'static str, Set)> {
+fn sets(detail: f32) -> Vec<(&'static str, Set)> {
     let step = STEP / detail;
     let shelf = at(1.70, 0.0, shell::LOW.z + 0.17);
     let [dining, coffee, _] = furniture::PLACES;

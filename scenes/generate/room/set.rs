@@ -25,13 +25,10 @@ impl Set {
         other.0.iter().for_each(|(material, mesh)| self.place(material, mesh, map));
     }
 
-    /// The number of triangles.
-    pub fn triangles(&self) -> usize {
-        self.0.values().map(|mesh| mesh.triangles.len()).sum()
-    }
-
     /// Writes it as `name.obj`.
-    pub fn write(&self, files: &mut Files, name: &str) {
+    pub fn write(mut self, files: &mut Files, name: &str) {
+        // Sharp bends of thin tubes leave a few.
+        self.0.values_mut().for_each(Mesh::flatten_backward);
         let parts: Vec<_> = self.0.iter().map(|(material, mesh)| (*material, mesh)).collect();
         files.add_obj(name, &parts);
     }

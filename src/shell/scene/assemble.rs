@@ -138,7 +138,7 @@ impl Assembly {
         let (from, at) = (Vec3::from(view.from), Vec3::from(view.at));
         let (back, up) = (from - at, Vec3::from(view.up).normalize());
         let left = up.cross(-back);
-        let center = from + 0.1 * back + 0.55 * back.length() * up + 0.4 * left;
+        let center = from + 0.35 * back + 0.6 * back.length() * up + 0.45 * left;
         let (shine, distance) = ((at - center).normalize(), at.distance(center));
         let across = shine.cross(up).normalize();
         let edges = [across, shine.cross(across)].map(|edge| HALF * distance * edge);
