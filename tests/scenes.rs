@@ -10,7 +10,6 @@ use generate::{Outcome, Scene, make, polygonise, room, statue};
 use glam::{IVec3, Vec3, vec3};
 use pmcip::scene::{LoadedScene, load};
 use std::collections::{BTreeMap, HashMap};
-use std::path::Path;
 
 /// Makes sure that every edge of a mesh is passed as often in one direction as in the other (vertices closer than
 /// 0.1 mm are one), that no triangle is without area, that normals are unit and on the front.

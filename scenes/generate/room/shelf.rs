@@ -111,7 +111,7 @@ pub fn vase(radius: f32, height: f32, neck: f32) -> Mesh {
         .rev()
         .map(|i| i as f32 / STEPS as f32)
         .map(|t| (outline(t) - wall, height * t - 0.3 * wall));
-    let bottom = inner.clone().last().map_or(wall, |(_, y)| y);
+    let bottom = inner.clone().next_back().map_or(wall, |(_, y)| y);
     let profile: Vec<_> =
         std::iter::once((0.0, 0.0)).chain(outer).chain(inner).chain(std::iter::once((0.0, bottom))).collect();
     lathe(&profile, 64)

@@ -97,16 +97,21 @@ fn hair(q: Vec3) -> f32 {
     if base > 0.8 {
         return base.min(ellipsoid(q, vec3(0.0, 1.1, -0.14), Vec3::splat(0.45)));
     }
-    let curled = join(base, curls(q, cap_at, cap, CURLS.0, 0.100), 0.03);
+    let curled = join(base, curls(q, base, cap_at, cap, CURLS.0, 0.100), 0.03);
     let covered = both(curled, -line, 0.06);
     let (knot_at, knot) = (vec3(0.0, 1.10, -0.14), vec3(0.42, 0.36, 0.42));
-    let bun = join(ellipsoid(q, knot_at, knot), curls(q, knot_at, knot, CURLS.1, 0.098), 0.03);
+    let ball = ellipsoid(q, knot_at, knot);
+    let bun = join(ball, curls(q, ball, knot_at, knot, CURLS.1, 0.098), 0.03);
     let jewel = ellipsoid(q, vec3(0.0, 1.50, -0.12), vec3(0.10, 0.15, 0.10));
     join(covered, bun, 0.04).min(jewel)
 }
 
-/// Snail curls in a spiral lattice over an ellipsoid: the distance to the nearest, with its coil in relief.
-fn curls(q: Vec3, centre: Vec3, radii: Vec3, count: u32, size: f32) -> f32 {
+/// Snail curls in a spiral lattice over an ellipsoid at distance `base`: the distance to the nearest, with its coil
+/// in relief; infinite where the ellipsoid is far.
+fn curls(q: Vec3, base: f32, centre: Vec3, radii: Vec3, count: u32, size: f32) -> f32 {
+    if base.abs() > 0.3 {
+        return f32::INFINITY;
+    }
     let nearest = (0..count)
         .map(|i| centre + radii * lattice(i, count))
         .min_by(|a, b| a.distance_squared(q).total_cmp(&b.distance_squared(q)));
