@@ -177,12 +177,13 @@ fn wrong_words_on_the_command_line_get_one_line() {
 fn bad_input_is_named_before_work_begins() {
     let room = room();
     let path = room.path();
-    fs::write(path.join("dark.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    let sphere = "center = [0, 0, 0]\nradius = 1\nsubdivisions = 0\nmaterial = \"m\"";
+    fs::write(path.join("dark.toml"), format!("[[spheres]]\n{sphere}\n[materials.m]\n")).unwrap();
     fs::create_dir(path.join("folder.exr")).unwrap();
     for (arguments, words) in [
         ("render none.toml", "none.toml"),
         ("info none.obj", "none.obj"),
-        ("render dark.obj", "no light"),
+        ("render dark.toml", "dark.toml: no light"),
         ("render room.obj -o none/a.exr", "none/a.exr: no such file or folder"),
         ("render room.obj -o room.obj/a.exr", "room.obj/a.exr: a part of the path is not a folder"),
         ("render room.obj -o folder.exr", "folder.exr: it is a folder"),
@@ -194,13 +195,22 @@ fn bad_input_is_named_before_work_begins() {
     ] {
         failure(path, arguments, 2, words);
     }
-    assert_eq!(names(path), ["dark.obj", "folder.exr", "room.mtl", "room.obj"]);
+    assert_eq!(names(path), ["dark.toml", "folder.exr", "room.mtl", "room.obj"]);
 }
 
 /// A cube with its front outwards, around the origin, and a lamp above it.
 const CUBE_AND_LAMP: &str = "mtllib room.mtl\nv -1 -1 -1\nv 1 -1 -1\nv -1 1 -1\nv 1 1 -1\nv -1 -1 1\nv 1 -1 1\n\
     v -1 1 1\nv 1 1 1\nv -1 3 -1\nv 1 3 -1\nv -1 3 1\nv 1 3 1\nusemtl wall\nf 1 3 4 2\nf 5 6 8 7\nf 1 5 7 3\n\
     f 2 4 8 6\nf 1 2 6 5\nf 3 7 8 4\nusemtl lamp\nf 9 10 12 11\n";
+
+#[test]
+fn an_obj_without_light_renders_with_a_warning() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("dark.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    let Output { status, stderr, .. } = pmcip(folder.path(), "render dark.obj --size 8x8 --spp 1");
+    assert!(status.success());
+    assert!(String::from_utf8(stderr).unwrap().starts_with("warning: dark.obj: no light: "));
+}
 
 #[test]
 fn a_camera_that_sees_no_light_is_named() {

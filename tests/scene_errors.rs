@@ -129,6 +129,16 @@ fn scenes_without_light_say_what_to_add() {
 }
 
 #[test]
+fn meshes_that_can_be_made_say_how() {
+    let mesh = "[[meshes]]\nfile = \"m.obj\"\n";
+    toml_fails(&format!("made_by = \"make m\"\n{mesh}"), "m.obj: not there: run `make m` first");
+    toml_fails(
+        &format!("made_by = 1\n{mesh}"),
+        "s.toml:1: invalid type: integer `1`, expected a string in `made_by`",
+    );
+}
+
+#[test]
 fn unknown_keys_name_key_and_line() {
     toml_fails(
         "[film]\nwidth = 8\nheigth = 8\n",

@@ -2,9 +2,11 @@
 
 mod scene_files;
 
-use pmcip::scene::{LoadedScene, load};
+use pmcip::render;
+use pmcip::scene::{LoadedScene, load, load_lit};
+use pmcip::settings::{Method, Settings};
 use pmcip_core::scene::{Scattering, Scene};
-use scene_files::{SQUARE, load_files};
+use scene_files::{SQUARE, folder, load_files};
 use std::path::Path;
 
 fn load_obj(text: &str) -> LoadedScene {
@@ -121,6 +123,50 @@ fn a_bare_obj_is_framed_and_lit_by_its_materials() {
 }
 
 const TRIANGLE: (&str, &str) = ("t.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 3//1\n");
+
+/// A grey square that faces +z, in the given size, without a light.
+fn square_in_the_dark(size: f32) -> LoadedScene {
+    let text = format!("v 0 0 0\nv {size} 0 0\nv {size} {size} 0\nv 0 {size} 0\nf 1 2 3 4\n");
+    assert!(load_obj(&text).lights.is_empty());
+    let folder = folder(&[("s.obj", &text)]);
+    load_lit(&folder.path().join("s.obj")).unwrap()
+}
+
+#[test]
+fn an_obj_without_light_is_lit_from_behind_the_camera() {
+    for size in [1e-3, 1.0, 1e4] {
+        let scene = square_in_the_dark(size);
+        assert!(
+            scene.warnings[0].contains("no light: no material has an emission (Ke)"),
+            "{:?}",
+            scene.warnings
+        );
+        assert!(scene.require_light().is_ok());
+        assert_eq!((scene.triangles.len(), scene.lights.len()), (4, 2));
+        let eye = glam::Vec3::from(scene.view.from);
+        for light in &scene.lights {
+            let at = glam::Vec3::from(scene.triangles[light.triangle as usize].corners[0]);
+            assert!(at.z > eye.z && at.y > eye.y, "the lamp at {at} is before the camera at {eye}");
+        }
+        // The lamp stands 1.35 back, 0.6 up, 0.45 left: reflectance ½ under the cosine 1.35 / |(1.35, 0.6, 0.45)|.
+        // Half its side is a quarter of its distance: the mean of 1/(1 + ρ²)² over it is 0.924, ρ the distance from
+        // its middle. That the lamp leans moves that by little: a fiftieth is allowed.
+        let mut settings = Settings::new(&scene, Method::Uniform, Some(256), Some((3, 3)));
+        settings.max_depth = 2;
+        let frame = render::render(&scene, &settings, Some(1), &|_| ()).unwrap();
+        let expected = 0.924 * 0.5 * 1.35 / glam::Vec3::new(1.35, 0.6, 0.45).length();
+        let middle = frame.rgb[4][0];
+        assert!((middle / expected - 1.0).abs() < 0.02, "{size}: {middle} instead of {expected}");
+    }
+}
+
+#[test]
+fn an_obj_with_light_keeps_its_own() {
+    let obj = format!("mtllib m.mtl\n{SQUARE}usemtl lamp\nf 1 2 3 4\n");
+    let folder = folder(&[("s.obj", &obj), ("m.mtl", "newmtl lamp\nKe 1 1 1\n")]);
+    let scene = load_lit(&folder.path().join("s.obj")).unwrap();
+    assert_eq!((scene.triangles.len(), scene.lights.len(), scene.warnings.len()), (2, 2, 0));
+}
 
 /// The only triangle of a scene whose mesh has the given transform keys.
 fn placed(keys: &str) -> LoadedScene {

@@ -78,11 +78,10 @@ fn render_reference(arguments: &Reference) -> Result<(), Failure> {
 
 /// Loads a scene that can be rendered, and passes on what the loader noticed.
 fn load(common: &Common) -> Result<LoadedScene, Failure> {
-    let scene = scene::load(&common.scene).map_err(bad)?;
+    let scene = scene::load_lit(&common.scene).map_err(bad)?;
     if !common.quiet {
         scene.warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
     }
-    scene.require_light().map_err(bad)?;
     Ok(scene)
 }
 

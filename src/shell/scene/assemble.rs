@@ -2,7 +2,7 @@
 
 use super::place::Placement;
 use super::texture::TextureCache;
-use super::{Error, LoadedScene, View, bvh};
+use super::{Error, LoadedScene, View, bvh, shapes};
 use glam::{Vec2, Vec3};
 use pmcip_core::scene::{Material, Surface, Triangle};
 use pmcip_core::shade::light;
@@ -34,11 +34,21 @@ pub(super) struct Shot {
     pub cd_per_unit: f32,
     pub spp: Option<u32>,
     pub max_depth: Option<u32>,
+    /// Whether a scene without light gets one.
+    pub soft_box: bool,
 }
 
 impl Default for Shot {
     fn default() -> Self {
-        Shot { view: None, width: 512, height: 512, cd_per_unit: 100.0, spp: None, max_depth: None }
+        Shot {
+            view: None,
+            width: 512,
+            height: 512,
+            cd_per_unit: 100.0,
+            spp: None,
+            max_depth: None,
+            soft_box: false,
+        }
     }
 }
 
@@ -109,6 +119,38 @@ impl Assembly {
         }
     }
 
+    /// Adds a rectangle, black where it does not shine.
+    pub fn add_lamp(&mut self, path: &Path, center: Vec3, edges: [Vec3; 2], radiance: [f32; 3]) {
+        let material = Material { diffuse: [0.0; 3], emission: radiance, ..Material::default() };
+        let index = self.add_material(material);
+        let mut odd = Oddities::default();
+        for triangle in shapes::rectangle(center, edges[0], edges[1]) {
+            self.add(triangle, &Placement::IDENTITY, index, &mut odd);
+        }
+        self.warn_oddities(path, odd);
+    }
+
+    /// Lights the scene as a photographer would: from behind the camera, above it and to its left. A white surface
+    /// that faces the lamp in the middle of the picture gets radiance 1.
+    fn add_soft_box(&mut self, path: &Path, view: &View) {
+        /// Half its side, in distances from what it lights.
+        const HALF: f32 = 0.25;
+        let (from, at) = (Vec3::from(view.from), Vec3::from(view.at));
+        let (back, up) = (from - at, Vec3::from(view.up).normalize());
+        let left = up.cross(-back);
+        let center = from + 0.35 * back + 0.6 * back.length() * up + 0.45 * left;
+        let (shine, distance) = ((at - center).normalize(), at.distance(center));
+        let across = shine.cross(up).normalize();
+        let edges = [across, shine.cross(across)].map(|edge| HALF * distance * edge);
+        // Irradiance is radiance times area over the squared distance: π makes white shine with 1.
+        let radiance = std::f32::consts::PI / (4.0 * HALF * HALF);
+        self.add_lamp(path, center, edges, [radiance; 3]);
+        let name = path.display();
+        self.warn(format!(
+            "{name}: no light: no material has an emission (Ke); a lamp behind the camera instead"
+        ));
+    }
+
     /// Builds the hierarchy and the lights, and frames the view if there is none.
     pub fn finish(mut self, path: &Path, shot: Shot) -> Result<LoadedScene, Error> {
         if self.triangles.is_empty() {
@@ -117,6 +159,10 @@ impl Assembly {
         let bounds = self.bounds();
         if !(bounds.0.is_finite() && bounds.1.is_finite()) {
             return Err(Error::in_file(path, "a transform moves a vertex to infinity"));
+        }
+        let view = shot.view.unwrap_or_else(|| frame(bounds, shot.width, shot.height));
+        if shot.soft_box && light::count(&self.surfaces, &self.materials) == 0 {
+            self.add_soft_box(path, &view);
         }
         let bvh = bvh::build(&self.triangles);
         self.triangles = bvh.order.iter().map(|&i| self.triangles[i as usize]).collect();
@@ -136,7 +182,7 @@ impl Assembly {
             textures,
             texels,
             lights,
-            view: shot.view.unwrap_or_else(|| frame(bounds, shot.width, shot.height)),
+            view,
             width: shot.width,
             height: shot.height,
             cd_per_unit: shot.cd_per_unit,

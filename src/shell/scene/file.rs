@@ -15,6 +15,7 @@ use toml::Spanned;
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct SceneFile {
+    made_by: Option<String>,
     #[serde(default)]
     film: FilmTable,
     #[serde(default)]
@@ -146,7 +147,11 @@ pub(super) fn load_scene(path: &Path) -> Result<LoadedScene, Error> {
     };
     for mesh in &scene.meshes {
         let material = mesh.material.as_ref().map(find).transpose()?;
-        obj::add_mesh(&mut assembly, &path.with_file_name(&mesh.file), &mesh.placement(), material)?;
+        let file = path.with_file_name(&mesh.file);
+        if let (Some(command), false) = (&scene.made_by, file.exists()) {
+            return Err(Error::in_file(&file, format!("not there: run `{command}` first")));
+        }
+        obj::add_mesh(&mut assembly, &file, &mesh.placement(), material)?;
     }
     for sphere in &scene.spheres {
         add(&mut assembly, path, sphere.triangles(), find(&sphere.material)?);
@@ -185,6 +190,7 @@ impl SceneFile {
             cd_per_unit: self.film.cd_per_unit.map_or(default.cd_per_unit, |v| v.0),
             spp: self.render.spp.map(Into::into),
             max_depth: self.render.max_depth.map(Into::into),
+            soft_box: false,
         }
     }
 }
@@ -220,15 +226,13 @@ impl SphereTable {
 }
 
 impl LightTable {
-    /// Adds the rectangle, black where it does not shine.
+    /// Adds the rectangle.
     fn add(&self, assembly: &mut Assembly, path: &Path) -> Result<(), &'static str> {
         let (u, v) = (self.edge_u.vec3(), self.edge_v.vec3());
         if u.cross(v).length_squared() <= 1e-12 * u.length_squared() * v.length_squared() {
             return Err("lights: edge_u and edge_v span no area");
         }
-        let material = Material { diffuse: [0.0; 3], emission: self.radiance.0, ..Material::default() };
-        let index = assembly.add_material(material);
-        add(assembly, path, shapes::rectangle(self.center.vec3(), u, v), index);
+        assembly.add_lamp(path, self.center.vec3(), [u, v], self.radiance.0);
         Ok(())
     }
 }

@@ -4,9 +4,14 @@
 //! cannot understand with one line that names the file and the line. Lengths are scene units, colours linear
 //! Rec. 709, angles degrees.
 //!
+//! An OBJ is framed as a whole, seen along −z. [`load_lit`] lights one whose materials do not shine by a lamp behind
+//! the camera, above and to the left; it stays there when the command line moves the camera.
+//!
 //! # The scene file
 //!
 //! ```toml
+//! made_by = "make meshes"     # optional: what to run if a mesh file is missing, for the message that says so
+//!
 //! [film]                      # optional, as is every key in it
 //! width = 512
 //! height = 512
@@ -158,7 +163,20 @@ impl LoadedScene {
 /// # Errors
 /// If a file cannot be read or understood, or holds no triangle.
 pub fn load(path: &Path) -> Result<LoadedScene, Error> {
-    if is_obj(path) { obj::load_scene(path) } else { file::load_scene(path) }
+    if is_obj(path) { obj::load_scene(path, false) } else { file::load_scene(path) }
+}
+
+/// Loads a scene to be rendered: as [`load`], but something shines in it. An OBJ without light gets a lamp behind the
+/// camera, and a warning that says so.
+///
+/// # Errors
+/// As [`load`], and if a scene file has no light.
+pub fn load_lit(path: &Path) -> Result<LoadedScene, Error> {
+    if is_obj(path) {
+        return obj::load_scene(path, true);
+    }
+    let scene = file::load_scene(path)?;
+    scene.require_light().map(|()| scene)
 }
 
 fn is_obj(path: &Path) -> bool {

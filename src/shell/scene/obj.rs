@@ -14,11 +14,12 @@ use pmcip_core::scene::Material;
 use std::path::Path;
 use tobj::{LoadOptions, Mesh, Model};
 
-/// Loads an OBJ as a scene of its own: default film, a camera framed on it, lights from its materials.
-pub(super) fn load_scene(path: &Path) -> Result<LoadedScene, Error> {
+/// Loads an OBJ as a scene of its own: default film, a camera framed on it, lights from its materials, or if none of
+/// them shines and `soft_box` allows it, a lamp behind the camera.
+pub(super) fn load_scene(path: &Path, soft_box: bool) -> Result<LoadedScene, Error> {
     let mut assembly = Assembly::default();
     add_mesh(&mut assembly, path, &Placement::IDENTITY, None)?;
-    assembly.finish(path, Shot::default())
+    assembly.finish(path, Shot { soft_box, ..Shot::default() })
 }
 
 /// Adds the triangles of an OBJ file, all of one `material` if it is given.
