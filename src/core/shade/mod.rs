@@ -4,8 +4,9 @@
 //! * [`light`] – picking a point on an emitter;
 //! * `rough`, `specular` – the scattering functions;
 //! * `queue`, `shadow` – packets of paths and of shadow rays, kept full;
-//! * [`path`] – the path tracer.
+//! * [`path`] – the path tracer; [`direct`] – direct lighting alone.
 
+pub mod direct;
 mod gather;
 mod hit;
 pub mod light;

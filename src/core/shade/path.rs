@@ -35,7 +35,7 @@ const MAX_SURVIVAL: f32 = 0.95;
 const SHADOW_REACH: f32 = 1.0 - 1e-4;
 
 /// Sobol sets a depth uses: light position, direction, and choices.
-const SETS: u32 = 3;
+pub(super) const SETS: u32 = 3;
 
 /// How full packets were: rays traced over eight times the packets traced is the occupancy.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -52,12 +52,12 @@ pub struct Traffic {
 
 /// The path tracer. Implements [`Integrand`].
 pub struct PathTracer<'a> {
-    tracer: Tracer<'a>,
+    pub(super) tracer: Tracer<'a>,
     camera: Camera,
-    max_depth: u32,
-    queue: Queue<'a>,
-    shadows: Shadows,
-    traffic: Traffic,
+    pub(super) max_depth: u32,
+    pub(super) queue: Queue<'a>,
+    pub(super) shadows: Shadows,
+    pub(super) traffic: Traffic,
 }
 
 impl<'a> PathTracer<'a> {
@@ -88,7 +88,7 @@ impl<'a> PathTracer<'a> {
     }
 
     /// Fills the queue with the primary rays of `batches`.
-    fn start(&mut self, batches: &[Batch8]) {
+    pub(super) fn start(&mut self, batches: &[Batch8]) {
         self.queue.clear();
         for (number, batch) in batches.iter().enumerate() {
             let slot = u32x8::splat(8 * number as u32) + u32x8::new([0, 1, 2, 3, 4, 5, 6, 7]);
@@ -135,7 +135,13 @@ impl<'a> PathTracer<'a> {
     }
 
     /// Adds what the surface emits towards the path, weighted against aiming at it.
-    fn add_emission(&self, paths: &Paths, surface: &SurfacePoints, t: f32x8, radiance: &mut [Rgb8]) {
+    pub(super) fn add_emission(
+        &self,
+        paths: &Paths,
+        surface: &SurfacePoints,
+        t: f32x8,
+        radiance: &mut [Rgb8],
+    ) {
         let front = surface.cosine.simd_gt(f32x8::ZERO);
         let lit = surface.hit & front & surface.emission.max_component().simd_gt(f32x8::ZERO);
         if !lit.any() {
@@ -160,37 +166,40 @@ impl<'a> PathTracer<'a> {
         let frame = Frame::new(surface.normal);
         let bsdf = Rough::new(surface, frame.to_local(-next.direction));
         if !self.tracer.scene().data().lights.is_empty() {
-            let shadow = self.aim(next, surface, &frame, &bsdf, depth);
-            let mut wanted = (rough & shadow.value.max_component().simd_gt(f32x8::ZERO)).to_bitmask();
-            while wanted != 0 {
-                wanted = self.shadows.fill(&shadow, wanted);
-                if self.shadows.lanes() == 8 {
-                    self.trace_shadows(radiance);
-                }
-            }
+            let point = sobol::point(next.index, next.key, SETS * depth - 2);
+            let shadow = self.aim(next, surface, &frame, &bsdf, point, f32x8::ONE);
+            self.queue_shadows(&shadow, rough, radiance);
         }
-        let (u, v) = sobol::point(next.index, next.key, SETS * depth - 1);
-        let part = || sobol::point(next.index, next.key, SETS * depth).0;
-        let incoming = bsdf.sample(u, v, part);
-        let (value, density) = bsdf.evaluate(incoming);
-        let weight = value * (f32x8::ONE / density);
-        let none = Vec3x8::default();
-        let throughput = Vec3x8::select(density.simd_gt(f32x8::ZERO), next.throughput.scaled(weight), none);
-        next.throughput = Vec3x8::select(rough, throughput, next.throughput);
-        next.direction = Vec3x8::select(rough, frame.to_world(incoming), next.direction);
-        next.density = rough.select(density, next.density);
+        let point = sobol::point(next.index, next.key, SETS * depth - 1);
+        let (index, key) = (next.index, next.key);
+        let part = || sobol::point(index, key, SETS * depth).0;
+        scatter(next, &frame, &bsdf, rough, point, part);
     }
 
-    /// Shadow rays towards points on the lights, with what they carry if nothing is in between.
-    fn aim(
+    /// Queues the shadow rays in the lanes of `rough` that carry anything.
+    #[inline(always)]
+    pub(super) fn queue_shadows(&mut self, shadow: &ShadowRays, rough: f32x8, radiance: &mut [Rgb8]) {
+        let mut wanted = (rough & shadow.value.max_component().simd_gt(f32x8::ZERO)).to_bitmask();
+        while wanted != 0 {
+            wanted = self.shadows.fill(shadow, wanted);
+            if self.shadows.lanes() == 8 {
+                self.trace_shadows(radiance);
+            }
+        }
+    }
+
+    /// Shadow rays towards points on the lights, with what they carry if nothing is in between. `share` is the
+    /// number of scattered directions for each point on a light.
+    #[inline(always)]
+    pub(super) fn aim(
         &self,
         paths: &Paths,
         surface: &SurfacePoints,
         frame: &Frame,
         bsdf: &Rough,
-        depth: u32,
+        (u, v): (f32x8, f32x8),
+        share: f32x8,
     ) -> ShadowRays {
-        let (u, v) = sobol::point(paths.index, paths.key, SETS * depth - 2);
         let point = light::sample(self.tracer.scene(), u, v);
         // What arrives is reckoned from the surface itself; only the ray starts off it.
         let toward = point.position - surface.position;
@@ -199,7 +208,7 @@ impl<'a> PathTracer<'a> {
         let cosine = -direction.dot(point.normal);
         let (value, scattered) = bsdf.evaluate(frame.to_local(direction));
         let density = point.density * distance * distance / cosine;
-        let weight = power_heuristic(density, scattered) / density;
+        let weight = power_heuristic(density, scattered * share) / density;
         let value = paths.throughput.scaled(value).scaled(point.radiance) * weight;
         let lit = cosine.simd_gt(f32x8::ZERO);
         let origin = surface.leave(toward);
@@ -214,7 +223,7 @@ impl<'a> PathTracer<'a> {
         }
     }
 
-    fn trace_shadows(&mut self, radiance: &mut [Rgb8]) {
+    pub(super) fn trace_shadows(&mut self, radiance: &mut [Rgb8]) {
         self.traffic.shadow_packets += 1;
         self.traffic.shadow_rays += u64::from(self.shadows.lanes());
         let rays = self.shadows.rays();
@@ -254,8 +263,28 @@ impl Integrand for PathTracer<'_> {
     }
 }
 
+/// Replaces direction and throughput in the lanes of `rough` by a sample of the scattering function.
+#[inline(always)]
+pub(super) fn scatter(
+    next: &mut Paths,
+    frame: &Frame,
+    bsdf: &Rough,
+    rough: f32x8,
+    (u, v): (f32x8, f32x8),
+    part: impl FnOnce() -> f32x8,
+) {
+    let incoming = bsdf.sample(u, v, part);
+    let (value, density) = bsdf.evaluate(incoming);
+    let weight = value * (f32x8::ONE / density);
+    let none = Vec3x8::default();
+    let throughput = Vec3x8::select(density.simd_gt(f32x8::ZERO), next.throughput.scaled(weight), none);
+    next.throughput = Vec3x8::select(rough, throughput, next.throughput);
+    next.direction = Vec3x8::select(rough, frame.to_world(incoming), next.direction);
+    next.density = rough.select(density, next.density);
+}
+
 /// Replaces direction and throughput in the lanes that hit a mirror or a dielectric.
-fn scatter_specular(next: &mut Paths, surface: &SurfacePoints, choice: f32x8) {
+pub(super) fn scatter_specular(next: &mut Paths, surface: &SurfacePoints, choice: f32x8) {
     let infinite = f32x8::splat(f32::INFINITY);
     let mirror = surface.scatters(Scattering::Mirror);
     let glass = surface.scatters(Scattering::Dielectric);
@@ -291,7 +320,7 @@ fn power_heuristic(own: f32x8, other: f32x8) -> f32x8 {
 }
 
 /// An orthonormal frame whose third axis is the shading normal.
-struct Frame {
+pub(super) struct Frame {
     tangent: Vec3x8,
     bitangent: Vec3x8,
     normal: Vec3x8,
@@ -299,13 +328,13 @@ struct Frame {
 
 impl Frame {
     #[inline(always)]
-    fn new(normal: Vec3x8) -> Self {
+    pub(super) fn new(normal: Vec3x8) -> Self {
         let (tangent, bitangent) = perpendicular(normal);
         Frame { tangent, bitangent, normal }
     }
 
     #[inline(always)]
-    fn to_local(&self, v: Vec3x8) -> Vec3x8 {
+    pub(super) fn to_local(&self, v: Vec3x8) -> Vec3x8 {
         Vec3x8::new(v.dot(self.tangent), v.dot(self.bitangent), v.dot(self.normal))
     }
 
