@@ -5,9 +5,9 @@ use pmcip::scene::bvh;
 use pmcip_core::batch::{Batch8, Rgb8};
 use pmcip_core::camera::Camera;
 use pmcip_core::sampler::{Memory, Sampler, Schedule, Settings, Workspace};
-use pmcip_core::scene::{Light, Material, Node8, Scene, SceneData, Surface, Triangle};
-use pmcip_core::shade::light;
+use pmcip_core::scene::{Light, LightNode8, Material, Node8, Scene, SceneData, Surface, Triangle};
 use pmcip_core::shade::path::{Packet, PathTracer, Traffic};
+use pmcip_core::shade::{light, light_tree};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
 
@@ -48,6 +48,7 @@ pub struct Owned {
     pub surfaces: Vec<Surface>,
     pub materials: Vec<Material>,
     pub lights: Vec<Light>,
+    pub light_nodes: Vec<LightNode8>,
 }
 
 impl Owned {
@@ -62,7 +63,12 @@ impl Owned {
         let mut lights = vec![Light::default(); light::count(&surfaces, &materials)];
         let used = light::build(&triangles, &surfaces, &materials, &mut lights);
         lights.truncate(used);
-        Owned { nodes: built.nodes, triangles, surfaces, materials, lights }
+        let mut light_nodes = vec![LightNode8::default(); light_tree::required(used)];
+        let mut order = vec![0; used];
+        let used =
+            light_tree::build(&triangles, &surfaces, &materials, &mut lights, &mut order, &mut light_nodes);
+        light_nodes.truncate(used);
+        Owned { nodes: built.nodes, triangles, surfaces, materials, lights, light_nodes }
     }
 
     pub fn scene(&self) -> Scene<'_> {
@@ -72,6 +78,7 @@ impl Owned {
             surfaces: &self.surfaces,
             materials: &self.materials,
             lights: &self.lights,
+            light_nodes: &self.light_nodes,
             ..SceneData::default()
         })
         .unwrap()
