@@ -13,7 +13,7 @@ use std::fmt::Write;
 
 const SIZE: (u32, u32) = (96, 72);
 const SPP: u32 = 16;
-const REFERENCE_SPP: u32 = 4096;
+const REFERENCE_SPP: u32 = 1024;
 const RUNS: u32 = 5;
 
 fn main() {
@@ -76,12 +76,12 @@ fn room(lamps: u32) -> LoadedScene {
         cuboid(&mut obj, &mut corners, [x, 0.0, z], [x + w, 0.2 + h, z + w], false);
     }
     let mut toml = String::from(
-        "[camera]\nfrom = [0.3, 2.2, 0.3]\nat = [6, 0.6, 6]\nfov = 60\n[[meshes]]\nfile = \"room.obj\"\n",
+        "[camera]\nfrom = [0.3, 1.7, 0.3]\nat = [2.2, 0, 2.2]\nfov = 60\n[[meshes]]\nfile = \"room.obj\"\n",
     );
     for _ in 0..lamps {
         let [x, y, z, angle, tilt, strength] = [0.0; 6].map(|_| random());
         let (sin, cos) = (std::f64::consts::TAU * angle).sin_cos();
-        let (x, y, z, half) = (1.0 + 8.0 * x, 1.3 + 1.5 * y, 1.0 + 8.0 * z, 0.05);
+        let (x, y, z, half) = (1.0 + 8.0 * x, 1.8 + 1.0 * y, 1.0 + 8.0 * z, 0.05);
         let radiance = 300.0 * 100.0f64.powf(strength) / f64::from(lamps);
         let u = [cos * half, tilt * half, sin * half].map(|c| format!("{c:.4}")).join(",");
         let v = [-sin * half, 0.0, cos * half].map(|c| format!("{c:.4}")).join(",");
