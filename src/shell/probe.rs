@@ -24,6 +24,7 @@ const SPP: u32 = 16;
 pub fn look(scene: &LoadedScene, settings: &Settings) -> Result<Option<String>, Error> {
     let mut trial = Settings::new(scene, Method::Uniform, Some(SPP), Some((SIDE, SIDE)));
     (trial.view, trial.max_depth) = (settings.view, settings.max_depth);
+    trial.integrator = settings.integrator;
     let frame = render::render(scene, &trial, Some(1), &|_| ())?;
     if frame.rgb.iter().flatten().any(|v| *v > 0.0) {
         return Ok(None);

@@ -7,11 +7,12 @@
 use crate::error::Error;
 use crate::frame_io::Picture;
 use crate::scene::LoadedScene;
-use crate::settings::Settings;
-use pmcip_core::batch::{Batch8, Rgb8};
+use crate::settings::{Integrator, Settings};
+use pmcip_core::batch::{Batch8, Integrand, Rgb8};
 use pmcip_core::camera::Camera;
 use pmcip_core::sampler::{Jobs, Memory, Sampler, Tally, Workspace};
 use pmcip_core::scene::Scene;
+use pmcip_core::shade::direct::{DirectLighting, Samples};
 use pmcip_core::shade::path::{Packet, PathTracer, Traffic};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde_json::Value;
@@ -139,6 +140,7 @@ fn zeros<T: Clone + Default>(length: usize) -> Result<Vec<T>, Error> {
 struct Crew<'a> {
     scene: Scene<'a>,
     camera: Camera,
+    integrator: Integrator,
     max_depth: u32,
     /// None for a single worker, which works on the caller's thread.
     pool: Option<ThreadPool>,
@@ -164,7 +166,14 @@ impl<'a> Crew<'a> {
         let count = pool.as_ref().map_or(1, ThreadPool::current_num_threads);
         let workers = (0..count).map(|_| Mutex::new(Worker::new())).collect();
         let scene = Scene::new(scene.data()).map_err(setting)?;
-        Ok(Crew { scene, camera, max_depth: settings.max_depth, pool, workers })
+        Ok(Crew {
+            scene,
+            camera,
+            integrator: settings.integrator,
+            max_depth: settings.max_depth,
+            pool,
+            workers,
+        })
     }
 
     /// Renders all jobs of an iteration.
@@ -179,16 +188,22 @@ impl<'a> Crew<'a> {
     /// Renders jobs as worker number `index` until none is left.
     fn work_as(&self, index: usize, jobs: &Mutex<Jobs<'_>>, progress: &(dyn Fn(u64) + Sync)) {
         let worker = &mut *lock(&self.workers[index]);
-        let mut tracer = PathTracer::new(self.scene, self.camera, self.max_depth, &mut worker.packets);
         let Ok(mut work) = Workspace::new(&mut worker.batches, &mut worker.radiance) else { return };
-        loop {
-            // A statement of its own, so that the lock is released before the work begins.
-            let next = lock(jobs).next();
-            let Some(mut job) = next else { break };
-            job.render(&mut tracer, &mut work);
-            progress(job.samples());
-        }
-        worker.traffic = sum(worker.traffic, tracer.traffic());
+        let (scene, camera, depth, memory) = (self.scene, self.camera, self.max_depth, &mut worker.packets);
+        let traffic = match self.integrator {
+            Integrator::Path => {
+                let mut tracer = PathTracer::new(scene, camera, depth, memory);
+                drain(jobs, &mut tracer, &mut work, progress);
+                tracer.traffic()
+            }
+            Integrator::Direct { light_samples, bsdf_samples } => {
+                let samples = Samples { light: light_samples, bsdf: bsdf_samples };
+                let mut tracer = DirectLighting::new(scene, camera, depth, samples, memory);
+                drain(jobs, &mut tracer, &mut work, progress);
+                tracer.traffic()
+            }
+        };
+        worker.traffic = sum(worker.traffic, traffic);
     }
 
     /// Rays traced over lanes of the packets traced.
@@ -207,6 +222,22 @@ impl Worker {
             radiance: vec![Rgb8::default(); BATCHES],
             traffic: Traffic::default(),
         }
+    }
+}
+
+/// Renders jobs until none is left.
+fn drain(
+    jobs: &Mutex<Jobs<'_>>,
+    integrand: &mut impl Integrand,
+    work: &mut Workspace<'_>,
+    progress: &(dyn Fn(u64) + Sync),
+) {
+    loop {
+        // A statement of its own, so that the lock is released before the work begins.
+        let next = lock(jobs).next();
+        let Some(mut job) = next else { break };
+        job.render(integrand, work);
+        progress(job.samples());
     }
 }
 

@@ -2,12 +2,12 @@
 #![allow(dead_code, reason = "each test file uses its own part")]
 
 use pmcip::scene::bvh;
-use pmcip_core::batch::{Batch8, Rgb8};
+use pmcip_core::batch::{Batch8, Integrand, Rgb8};
 use pmcip_core::camera::Camera;
 use pmcip_core::sampler::{Memory, Sampler, Schedule, Settings, Workspace};
-use pmcip_core::scene::{Leaf8, Light, Material, Node8, Scene, SceneData, Surface, Triangle};
-use pmcip_core::shade::light;
+use pmcip_core::scene::{Leaf8, Light, LightNode8, Material, Node8, Scene, SceneData, Surface, Triangle};
 use pmcip_core::shade::path::{Packet, PathTracer, Traffic};
+use pmcip_core::shade::{light, light_tree};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
 
@@ -49,6 +49,7 @@ pub struct Owned {
     pub surfaces: Vec<Surface>,
     pub materials: Vec<Material>,
     pub lights: Vec<Light>,
+    pub light_nodes: Vec<LightNode8>,
 }
 
 impl Owned {
@@ -63,7 +64,20 @@ impl Owned {
         let mut lights = vec![Light::default(); light::count(&surfaces, &materials)];
         let used = light::build(&triangles, &surfaces, &materials, &mut lights);
         lights.truncate(used);
-        Owned { nodes: built.nodes, leaves: built.leaves, triangles, surfaces, materials, lights }
+        let mut light_nodes = vec![LightNode8::default(); light_tree::required(used)];
+        let mut order = vec![0; used];
+        let used =
+            light_tree::build(&triangles, &surfaces, &materials, &mut lights, &mut order, &mut light_nodes);
+        light_nodes.truncate(used);
+        Owned {
+            nodes: built.nodes,
+            leaves: built.leaves,
+            triangles,
+            surfaces,
+            materials,
+            lights,
+            light_nodes,
+        }
     }
 
     pub fn scene(&self) -> Scene<'_> {
@@ -74,6 +88,7 @@ impl Owned {
             surfaces: &self.surfaces,
             materials: &self.materials,
             lights: &self.lights,
+            light_nodes: &self.light_nodes,
             ..SceneData::default()
         })
         .unwrap()
@@ -88,7 +103,10 @@ pub fn inward_box(lower: [f32; 3], upper: [f32; 3]) -> Vec<Triangle> {
     faces.iter().flat_map(|&[a, b, c, d]| [triangle([a, b, c]), triangle([a, c, d])]).collect()
 }
 
-/// A picture made on one thread with the core alone: interleaved RGB, and how full the packets were.
+/// Samples that an integrand is handed at once.
+const STREAM: usize = 2048;
+
+/// A path traced picture made on one thread with the core alone: interleaved RGB, and how full the packets were.
 pub fn render(
     scene: Scene<'_>,
     camera: Camera,
@@ -96,27 +114,32 @@ pub fn render(
     settings: Settings,
     schedule: Schedule,
 ) -> (Vec<f32>, Traffic) {
-    const STREAM: usize = 2048;
+    let mut packets = vec![Packet::default(); PathTracer::required(STREAM)];
+    let mut tracer = PathTracer::new(scene, camera, max_depth, &mut packets);
+    let rgb = render_with(&mut tracer, settings, schedule);
+    (rgb, tracer.traffic())
+}
+
+/// A picture of any integrand, likewise.
+pub fn render_with(integrand: &mut impl Integrand, settings: Settings, schedule: Schedule) -> Vec<f32> {
     let (width, height) = (settings.width, settings.height);
     let required = Sampler::required(width, height);
     let (mut floats, mut words) = (vec![0.0; required.floats], vec![0; required.words]);
     let mut sampler = Sampler::new(settings, Memory { floats: &mut floats, words: &mut words }).unwrap();
-    let mut packets = vec![Packet::default(); PathTracer::required(STREAM)];
-    let mut tracer = PathTracer::new(scene, camera, max_depth, &mut packets);
     let (mut batches, mut radiance) =
         (vec![Batch8::default(); STREAM / 8], vec![Rgb8::default(); STREAM / 8]);
     let mut work = Workspace::new(&mut batches, &mut radiance).unwrap();
     for samples in schedule {
         sampler.begin(samples).unwrap();
         for mut job in sampler.jobs() {
-            job.render(&mut tracer, &mut work);
+            job.render(integrand, &mut work);
         }
         assert_eq!(sampler.end().unwrap().rejected, 0);
     }
     let mut scratch = vec![Default::default(); Sampler::resolve_scratch(width, height)];
     let mut rgb = vec![0.0; 3 * (width * height) as usize];
     sampler.resolve(settings.estimator, &mut scratch, &mut rgb).unwrap();
-    (rgb, tracer.traffic())
+    rgb
 }
 
 /// Mean and standard error of the mean.

@@ -1,14 +1,16 @@
 //! From hits to radiance: materials, lights and the integrators that combine them.
 //!
 //! * `hit` – what the surface is like where a ray meets it; `gather` – how its records are fetched;
-//! * [`light`] – picking a point on an emitter;
+//! * [`light`] – picking a point on an emitter; [`light_tree`] – picking the emitter where there are many;
 //! * `rough`, `specular` – the scattering functions;
 //! * `queue`, `shadow` – packets of paths and of shadow rays, kept full;
-//! * [`path`] – the path tracer.
+//! * [`path`] – the path tracer; [`direct`] – direct lighting alone.
 
+pub mod direct;
 mod gather;
 mod hit;
 pub mod light;
+pub mod light_tree;
 pub mod path;
 mod queue;
 mod rough;

@@ -10,7 +10,8 @@
 //! only hits that are equal up to rounding can depend on the other rays of a packet.
 
 use super::hit::SurfacePoints;
-use super::light::{self, luminance8};
+use super::light::{self, LightPoints, Lights};
+use super::light_tree::Receiver;
 use super::queue::{Paths, Queue, SLACK};
 use super::rough::Rough;
 use super::shadow::{ShadowRays, Shadows};
@@ -19,8 +20,8 @@ use crate::batch::{Batch8, Integrand, Rgb8};
 use crate::camera::Camera;
 use crate::scene::{Scattering, Scene};
 use crate::sobol;
-use crate::trace::{Tracer, perpendicular};
-use crate::vec3::Vec3x8;
+use crate::trace::{Hits8, Rays8, Tracer, perpendicular};
+use crate::vec3::{Vec3x8, pack_unit, unpack_unit};
 use wide::{f32x8, u32x8};
 
 pub use super::queue::Packet;
@@ -35,7 +36,7 @@ const MAX_SURVIVAL: f32 = 0.95;
 const SHADOW_REACH: f32 = 1.0 - 1e-4;
 
 /// Sobol sets a depth uses: light position, direction, and choices.
-const SETS: u32 = 3;
+pub(super) const SETS: u32 = 3;
 
 /// How full packets were: rays traced over eight times the packets traced is the occupancy.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -52,12 +53,12 @@ pub struct Traffic {
 
 /// The path tracer. Implements [`Integrand`].
 pub struct PathTracer<'a> {
-    tracer: Tracer<'a>,
+    pub(super) tracer: Tracer<'a>,
     camera: Camera,
-    max_depth: u32,
-    queue: Queue<'a>,
-    shadows: Shadows,
-    traffic: Traffic,
+    pub(super) max_depth: u32,
+    pub(super) queue: Queue<'a>,
+    pub(super) shadows: Shadows,
+    pub(super) traffic: Traffic,
 }
 
 impl<'a> PathTracer<'a> {
@@ -88,7 +89,7 @@ impl<'a> PathTracer<'a> {
     }
 
     /// Fills the queue with the primary rays of `batches`.
-    fn start(&mut self, batches: &[Batch8]) {
+    pub(super) fn start(&mut self, batches: &[Batch8]) {
         self.queue.clear();
         for (number, batch) in batches.iter().enumerate() {
             let slot = u32x8::splat(8 * number as u32) + u32x8::new([0, 1, 2, 3, 4, 5, 6, 7]);
@@ -98,6 +99,7 @@ impl<'a> PathTracer<'a> {
                 throughput: Vec3x8::splat([1.0; 3]),
                 density: f32x8::splat(f32::INFINITY),
                 compression: f32x8::ONE,
+                normal: u32x8::ZERO,
                 index: batch.index,
                 key: batch.key,
                 slot,
@@ -116,7 +118,7 @@ impl<'a> PathTracer<'a> {
             return;
         }
         let surface = SurfacePoints::at(self.tracer.scene(), &rays, &hits);
-        self.add_emission(paths, &surface, hits.t, radiance);
+        self.add_emission(paths, &surface, &hits, radiance);
         if depth >= self.max_depth {
             return;
         }
@@ -131,21 +133,41 @@ impl<'a> PathTracer<'a> {
         }
         let alive = survivors(&mut next, surface.hit, depth);
         next.origin = surface.leave(next.direction);
-        self.queue.push(&next, alive);
+        if depth + 1 == self.max_depth && light::are_few(self.tracer.scene().data()) {
+            self.end_on_lights(&next, alive, radiance);
+        } else {
+            self.queue.push(&next, alive.to_bitmask());
+        }
     }
 
     /// Adds what the surface emits towards the path, weighted against aiming at it.
-    fn add_emission(&self, paths: &Paths, surface: &SurfacePoints, t: f32x8, radiance: &mut [Rgb8]) {
-        let front = surface.cosine.simd_gt(f32x8::ZERO);
-        let lit = surface.hit & front & surface.emission.max_component().simd_gt(f32x8::ZERO);
-        if !lit.any() {
+    pub(super) fn add_emission(
+        &self,
+        paths: &Paths,
+        surface: &SurfacePoints,
+        hits: &Hits8,
+        radiance: &mut [Rgb8],
+    ) {
+        if let Some((value, lit)) = emitted(self.tracer.scene(), paths, surface, hits) {
+            super::shadow::accumulate(radiance, paths.slot, value, lit.to_bitmask());
+        }
+    }
+
+    /// Ends paths whose next segment counts only if it ends on a light: looks for the light first, and for what is in
+    /// between only if there is one. For scenes of [few lights](light::are_few).
+    pub(super) fn end_on_lights(&mut self, paths: &Paths, alive: f32x8, radiance: &mut [Rgb8]) {
+        let t_max = alive.select(f32x8::splat(f32::INFINITY), f32x8::splat(-1.0));
+        let rays = Rays8 { origin: paths.origin, direction: paths.direction, t_max };
+        let hits = self.tracer.closest_light(&rays);
+        if !hits.any() {
             return;
         }
-        let power = f32x8::splat(self.tracer.scene().inverse_power());
-        let aimed = luminance8(surface.emission) * power * t * t / surface.cosine;
-        let weight = power_heuristic(paths.density, aimed);
-        let value = paths.throughput.scaled(surface.emission) * weight;
-        super::shadow::accumulate(radiance, paths.slot, value, lit.to_bitmask());
+        let surface = SurfacePoints::at(self.tracer.scene(), &rays, &hits);
+        if let Some((value, lit)) = emitted(self.tracer.scene(), paths, &surface, &hits) {
+            let t_max = hits.t * f32x8::splat(SHADOW_REACH);
+            let (origin, direction, slot) = (paths.origin, paths.direction, paths.slot);
+            self.queue_shadows(&ShadowRays { origin, direction, t_max, value, slot }, lit, radiance);
+        }
     }
 
     /// Queues a shadow ray and samples the next direction in the lanes of `rough`.
@@ -160,61 +182,30 @@ impl<'a> PathTracer<'a> {
         let frame = Frame::new(surface.normal);
         let bsdf = Rough::new(surface, frame.to_local(-next.direction));
         if !self.tracer.scene().data().lights.is_empty() {
-            let shadow = self.aim(next, surface, &frame, &bsdf, depth);
-            let mut wanted = (rough & shadow.value.max_component().simd_gt(f32x8::ZERO)).to_bitmask();
-            while wanted != 0 {
-                wanted = self.shadows.fill(&shadow, wanted);
-                if self.shadows.lanes() == 8 {
-                    self.trace_shadows(radiance);
-                }
+            let (u, v) = sobol::point(next.index, next.key, SETS * depth - 2);
+            let point = lights(self.tracer.scene(), next, surface).sample(u, v);
+            let shadow = aim(next, surface, &frame, &bsdf, &point, f32x8::ONE);
+            self.queue_shadows(&shadow, rough, radiance);
+        }
+        let point = sobol::point(next.index, next.key, SETS * depth - 1);
+        let (index, key) = (next.index, next.key);
+        let part = || sobol::point(index, key, SETS * depth).0;
+        scatter(next, &frame, &bsdf, rough, point, part);
+    }
+
+    /// Queues the shadow rays in the lanes of `rough` that carry anything.
+    #[inline(always)]
+    pub(super) fn queue_shadows(&mut self, shadow: &ShadowRays, rough: f32x8, radiance: &mut [Rgb8]) {
+        let mut wanted = (rough & shadow.value.max_component().simd_gt(f32x8::ZERO)).to_bitmask();
+        while wanted != 0 {
+            wanted = self.shadows.fill(shadow, wanted);
+            if self.shadows.lanes() == 8 {
+                self.trace_shadows(radiance);
             }
         }
-        let (u, v) = sobol::point(next.index, next.key, SETS * depth - 1);
-        let part = || sobol::point(next.index, next.key, SETS * depth).0;
-        let incoming = bsdf.sample(u, v, part);
-        let (value, density) = bsdf.evaluate(incoming);
-        let weight = value * (f32x8::ONE / density);
-        let none = Vec3x8::default();
-        let throughput = Vec3x8::select(density.simd_gt(f32x8::ZERO), next.throughput.scaled(weight), none);
-        next.throughput = Vec3x8::select(rough, throughput, next.throughput);
-        next.direction = Vec3x8::select(rough, frame.to_world(incoming), next.direction);
-        next.density = rough.select(density, next.density);
     }
 
-    /// Shadow rays towards points on the lights, with what they carry if nothing is in between.
-    fn aim(
-        &self,
-        paths: &Paths,
-        surface: &SurfacePoints,
-        frame: &Frame,
-        bsdf: &Rough,
-        depth: u32,
-    ) -> ShadowRays {
-        let (u, v) = sobol::point(paths.index, paths.key, SETS * depth - 2);
-        let point = light::sample(self.tracer.scene(), u, v);
-        // What arrives is reckoned from the surface itself; only the ray starts off it.
-        let toward = point.position - surface.position;
-        let distance = toward.length();
-        let direction = toward * (f32x8::ONE / distance);
-        let cosine = -direction.dot(point.normal);
-        let (value, scattered) = bsdf.evaluate(frame.to_local(direction));
-        let density = point.density * distance * distance / cosine;
-        let weight = power_heuristic(density, scattered) / density;
-        let value = paths.throughput.scaled(value).scaled(point.radiance) * weight;
-        let lit = cosine.simd_gt(f32x8::ZERO);
-        let origin = surface.leave(toward);
-        let ray = point.position - origin;
-        let length = ray.length();
-        ShadowRays {
-            origin,
-            direction: ray * (f32x8::ONE / length),
-            t_max: length * f32x8::splat(SHADOW_REACH),
-            value: Vec3x8::select(lit, value, Vec3x8::default()),
-            slot: paths.slot,
-        }
-    }
-
-    fn trace_shadows(&mut self, radiance: &mut [Rgb8]) {
+    pub(super) fn trace_shadows(&mut self, radiance: &mut [Rgb8]) {
         self.traffic.shadow_packets += 1;
         self.traffic.shadow_rays += u64::from(self.shadows.lanes());
         let rays = self.shadows.rays();
@@ -254,8 +245,93 @@ impl Integrand for PathTracer<'_> {
     }
 }
 
+/// What the surface emits towards the path, weighted against aiming at it, and the lanes in which it does; none if
+/// there is none.
+#[inline(always)]
+fn emitted(
+    scene: &Scene<'_>,
+    paths: &Paths,
+    surface: &SurfacePoints,
+    hits: &Hits8,
+) -> Option<(Vec3x8, f32x8)> {
+    let front = surface.cosine.simd_gt(f32x8::ZERO);
+    let lit = surface.hit & front & surface.emission.max_component().simd_gt(f32x8::ZERO);
+    if !lit.any() {
+        return None;
+    }
+    // Nobody aims at what is seen directly or in a mirror.
+    let by_chance = lit & paths.density.simd_lt(f32x8::splat(f32::INFINITY));
+    let receiver = || Receiver { position: paths.origin, normal: unpack_unit(paths.normal) };
+    let density = light::density(scene, receiver, hits.triangle, surface.emission, by_chance.to_bitmask());
+    let aimed = density * hits.t * hits.t / surface.cosine;
+    let weight = power_heuristic(paths.density, aimed);
+    Some((paths.throughput.scaled(surface.emission) * weight, lit))
+}
+
+/// The lights as seen from the surface, whose normal the paths take along.
+#[inline(always)]
+pub(super) fn lights<'a>(scene: &'a Scene<'_>, next: &mut Paths, surface: &SurfacePoints) -> Lights<'a> {
+    Lights::new(scene, || {
+        next.normal = pack_unit(surface.normal);
+        Receiver { position: surface.position, normal: unpack_unit(next.normal) }
+    })
+}
+
+/// Shadow rays towards points on the lights, with what they carry if nothing is in between. `share` is the
+/// number of scattered directions for each point on a light.
+#[inline(always)]
+pub(super) fn aim(
+    paths: &Paths,
+    surface: &SurfacePoints,
+    frame: &Frame,
+    bsdf: &Rough,
+    point: &LightPoints,
+    share: f32x8,
+) -> ShadowRays {
+    // What arrives is reckoned from the surface itself; only the ray starts off it.
+    let toward = point.position - surface.position;
+    let distance = toward.length();
+    let direction = toward * (f32x8::ONE / distance);
+    let cosine = -direction.dot(point.normal);
+    let (value, scattered) = bsdf.evaluate(frame.to_local(direction));
+    let density = point.density * distance * distance / cosine;
+    let weight = power_heuristic(density, scattered * share) / density;
+    let value = paths.throughput.scaled(value).scaled(point.radiance) * weight;
+    let lit = cosine.simd_gt(f32x8::ZERO);
+    let origin = surface.leave(toward);
+    let ray = point.position - origin;
+    let length = ray.length();
+    ShadowRays {
+        origin,
+        direction: ray * (f32x8::ONE / length),
+        t_max: length * f32x8::splat(SHADOW_REACH),
+        value: Vec3x8::select(lit, value, Vec3x8::default()),
+        slot: paths.slot,
+    }
+}
+
+/// Replaces direction and throughput in the lanes of `rough` by a sample of the scattering function.
+#[inline(always)]
+pub(super) fn scatter(
+    next: &mut Paths,
+    frame: &Frame,
+    bsdf: &Rough,
+    rough: f32x8,
+    (u, v): (f32x8, f32x8),
+    part: impl FnOnce() -> f32x8,
+) {
+    let incoming = bsdf.sample(u, v, part);
+    let (value, density) = bsdf.evaluate(incoming);
+    let weight = value * (f32x8::ONE / density);
+    let none = Vec3x8::default();
+    let throughput = Vec3x8::select(density.simd_gt(f32x8::ZERO), next.throughput.scaled(weight), none);
+    next.throughput = Vec3x8::select(rough, throughput, next.throughput);
+    next.direction = Vec3x8::select(rough, frame.to_world(incoming), next.direction);
+    next.density = rough.select(density, next.density);
+}
+
 /// Replaces direction and throughput in the lanes that hit a mirror or a dielectric.
-fn scatter_specular(next: &mut Paths, surface: &SurfacePoints, choice: f32x8) {
+pub(super) fn scatter_specular(next: &mut Paths, surface: &SurfacePoints, choice: f32x8) {
     let infinite = f32x8::splat(f32::INFINITY);
     let mirror = surface.scatters(Scattering::Mirror);
     let glass = surface.scatters(Scattering::Dielectric);
@@ -270,8 +346,8 @@ fn scatter_specular(next: &mut Paths, surface: &SurfacePoints, choice: f32x8) {
     next.compression = glass.select(next.compression * through.compression, next.compression);
 }
 
-/// Ends paths that carry nothing, and by chance those that carry little; returns the others, as bits.
-fn survivors(next: &mut Paths, hit: f32x8, depth: u32) -> u32 {
+/// Ends paths that carry nothing, and by chance those that carry little; returns the others.
+fn survivors(next: &mut Paths, hit: f32x8, depth: u32) -> f32x8 {
     let carried = next.throughput.max_component();
     let mut alive = hit & carried.simd_gt(f32x8::ZERO);
     if depth >= ROULETTE_DEPTH {
@@ -280,7 +356,7 @@ fn survivors(next: &mut Paths, hit: f32x8, depth: u32) -> u32 {
         alive &= chance.simd_lt(survival);
         next.throughput = next.throughput * (f32x8::ONE / survival);
     }
-    alive.to_bitmask()
+    alive
 }
 
 /// Weight of a technique of density `own` beside one of density `other`: a²/(a² + b²), without overflow.
@@ -291,7 +367,7 @@ fn power_heuristic(own: f32x8, other: f32x8) -> f32x8 {
 }
 
 /// An orthonormal frame whose third axis is the shading normal.
-struct Frame {
+pub(super) struct Frame {
     tangent: Vec3x8,
     bitangent: Vec3x8,
     normal: Vec3x8,
@@ -299,13 +375,13 @@ struct Frame {
 
 impl Frame {
     #[inline(always)]
-    fn new(normal: Vec3x8) -> Self {
+    pub(super) fn new(normal: Vec3x8) -> Self {
         let (tangent, bitangent) = perpendicular(normal);
         Frame { tangent, bitangent, normal }
     }
 
     #[inline(always)]
-    fn to_local(&self, v: Vec3x8) -> Vec3x8 {
+    pub(super) fn to_local(&self, v: Vec3x8) -> Vec3x8 {
         Vec3x8::new(v.dot(self.tangent), v.dot(self.bitangent), v.dot(self.normal))
     }
 

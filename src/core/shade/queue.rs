@@ -17,7 +17,7 @@ pub struct Packet {
     lanes: u32,
 }
 
-const ROWS: usize = 14;
+const ROWS: usize = 15;
 
 /// Eight paths, unpacked.
 #[derive(Clone, Copy)]
@@ -29,6 +29,9 @@ pub(super) struct Paths {
     pub density: f32x8,
     /// Squared index ratio that the throughput contains.
     pub compression: f32x8,
+    /// Unit shading normal where `direction` was sampled, packed; of use to find out how the light tree would have
+    /// picked what the path hits.
+    pub normal: u32x8,
     pub index: u32x8,
     pub key: u32x8,
     /// Number of the sample in the stream.
@@ -42,9 +45,9 @@ impl Packet {
     pub(super) fn pack(p: &Paths) -> Self {
         let bits = |v: u32x8| bytemuck::cast::<_, f32x8>(v);
         let (o, d, t) = (p.origin, p.direction, p.throughput);
-        let integers = [bits(p.index), bits(p.key), bits(p.slot)];
-        let [index, key, slot] = integers;
-        let rows = [o.x, o.y, o.z, d.x, d.y, d.z, t.x, t.y, t.z, p.density, p.compression, index, key, slot];
+        let [index, key, slot, normal] = [p.index, p.key, p.slot, p.normal].map(bits);
+        let rows =
+            [o.x, o.y, o.z, d.x, d.y, d.z, t.x, t.y, t.z, p.density, p.compression, index, key, slot, normal];
         Packet { rows: rows.map(f32x8::to_array), lanes: p.lanes }
     }
 
@@ -62,6 +65,7 @@ impl Packet {
             index: integer(11),
             key: integer(12),
             slot: integer(13),
+            normal: integer(14),
             lanes: self.lanes,
         }
     }
@@ -101,8 +105,41 @@ pub(super) struct Queue<'a> {
     len: usize,
     /// Full packets of the next.
     written: usize,
-    /// The open packets, by octant.
-    open: [Packet; 8],
+    open: Open,
+}
+
+/// Packets that are being filled, one for each octant of directions.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Open {
+    packets: [Packet; 8],
+}
+
+impl Open {
+    /// Adds the lanes of `paths` whose bit is set in `alive`; hands packets that fill up to `full`.
+    #[inline]
+    pub fn push(&mut self, paths: &Paths, mut alive: u32, mut full: impl FnMut(&Packet)) {
+        let from = Packet::pack(paths);
+        let octant = octants(paths.direction);
+        while alive != 0 {
+            let lane = alive.trailing_zeros() as usize & 7;
+            alive &= alive - 1;
+            let open = &mut self.packets[octant[lane] as usize & 7];
+            open.take_lane(open.lanes as usize & 7, &from, lane);
+            open.lanes += 1;
+            if open.lanes == 8 {
+                full(open);
+                open.lanes = 0;
+            }
+        }
+    }
+
+    /// Hands what is left to `part`, packet by packet.
+    pub fn drain(&mut self, mut part: impl FnMut(&Packet)) {
+        for open in self.packets.iter_mut().filter(|open| open.lanes > 0) {
+            part(open);
+            open.lanes = 0;
+        }
+    }
 }
 
 /// Packets the queue needs beyond those that start: the open ones.
@@ -110,7 +147,7 @@ pub(super) const SLACK: usize = 8;
 
 impl<'a> Queue<'a> {
     pub fn new(packets: &'a mut [Packet]) -> Self {
-        Queue { packets, len: 0, written: 0, open: [Packet::default(); 8] }
+        Queue { packets, len: 0, written: 0, open: Open::default() }
     }
 
     /// How many packets may start.
@@ -134,40 +171,29 @@ impl<'a> Queue<'a> {
 
     /// Adds the lanes of `paths` whose bit is set in `alive` to the next bounce.
     #[inline]
-    pub fn push(&mut self, paths: &Paths, mut alive: u32) {
-        let from = Packet::pack(paths);
-        let octant = octants(paths.direction);
-        while alive != 0 {
-            let lane = alive.trailing_zeros() as usize & 7;
-            alive &= alive - 1;
-            let open = &mut self.open[octant[lane] as usize & 7];
-            open.take_lane(open.lanes as usize & 7, &from, lane);
-            open.lanes += 1;
-            if open.lanes == 8 {
-                self.packets[self.written] = *open;
-                self.written += 1;
-                open.lanes = 0;
-            }
-        }
+    pub fn push(&mut self, paths: &Paths, alive: u32) {
+        let Queue { packets, written, open, .. } = self;
+        open.push(paths, alive, |packet| {
+            packets[*written] = *packet;
+            *written += 1;
+        });
     }
 
     /// Closes the bounce: what was pushed becomes current.
     pub fn turn(&mut self) {
-        for open in &mut self.open {
-            if open.lanes > 0 {
-                self.packets[self.written] = *open;
-                self.written += 1;
-                open.lanes = 0;
-            }
-        }
-        self.len = core::mem::take(&mut self.written);
+        let Queue { packets, written, open, .. } = self;
+        open.drain(|packet| {
+            packets[*written] = *packet;
+            *written += 1;
+        });
+        self.len = core::mem::take(written);
     }
 
     /// Forgets everything.
     pub fn clear(&mut self) {
         self.len = 0;
         self.written = 0;
-        self.open.iter_mut().for_each(|p| p.lanes = 0);
+        self.open.drain(|_| ());
     }
 }
 

@@ -80,6 +80,18 @@ impl<'a> Tracer<'a> {
         }
     }
 
+    /// As [`closest`](Self::closest), but only triangles that emit are seen. For few of them this is far quicker.
+    pub(crate) fn closest_light(&self, rays: &Rays8) -> Hits8 {
+        let prepared = Prepared::new(rays);
+        let mut hits = Hits8::none(rays.t_max);
+        let data = self.scene.data();
+        for light in data.lights {
+            let corners = data.triangles[light.triangle as usize].corners.map(Vec3x8::splat);
+            triangle::closest(&prepared.frames, corners, light.triangle, &mut hits);
+        }
+        hits
+    }
+
     /// The lanes, as bits, in which something lies between the origin and `t_max`. Idle lanes are not occluded.
     pub fn occluded(&mut self, rays: &Rays8) -> u32 {
         let prepared = Prepared::new(rays);
@@ -106,7 +118,12 @@ impl<'a> Tracer<'a> {
             if entry.count > 0 {
                 let leaf = &data.leaves[entry.first as usize];
                 for slot in 0..entry.count as usize {
-                    triangle::closest(&rays.frames, leaf, slot, hits);
+                    triangle::closest(
+                        &rays.frames,
+                        triangle::one(leaf, slot),
+                        leaf.first + slot as u32,
+                        hits,
+                    );
                 }
                 continue;
             }

@@ -50,12 +50,11 @@ fn coordinate(rays: &Frames, k: usize, corner: Vec3x8) -> f32x8 {
     super::ray::dot(rays.axes[k], corner) - rays.origin[k]
 }
 
-/// Replaces `hits` in the lanes where triangle `index`, number `slot` of `leaf`, is nearer, or as near with a lower
-/// index.
+/// Replaces `hits` in the lanes where triangle `index` is nearer, or as near with a lower index.
 #[inline(always)]
-pub(super) fn closest(rays: &Frames, leaf: &Leaf8, slot: usize, hits: &mut Hits8) {
-    let Some(candidate) = intersect(rays, one(leaf, slot), hits.t) else { return };
-    let index = u32x8::splat(leaf.first + slot as u32);
+pub(super) fn closest(rays: &Frames, corners: [Vec3x8; 3], index: u32, hits: &mut Hits8) {
+    let Some(candidate) = intersect(rays, corners, hits.t) else { return };
+    let index = u32x8::splat(index);
     let tie = candidate.t.simd_eq(hits.t);
     let lower: f32x8 = bytemuck::cast(index.simd_lt(hits.triangle));
     let nearer = candidate.t.simd_lt(hits.t) | (tie & lower);
@@ -99,7 +98,7 @@ pub(super) fn any_blocks(ray: &Frames, leaf: &Leaf8, t_max: f32) -> bool {
 
 /// The corners of one triangle of a leaf, in all lanes.
 #[inline(always)]
-fn one(leaf: &Leaf8, slot: usize) -> [Vec3x8; 3] {
+pub(super) fn one(leaf: &Leaf8, slot: usize) -> [Vec3x8; 3] {
     leaf.corners.each_ref().map(|c| Vec3x8::splat([0, 1, 2].map(|axis| c[axis][slot & 7])))
 }
 

@@ -71,7 +71,7 @@ pub use error::Error;
 /// The largest width or height of an image, in pixels.
 pub const MAX_SIZE: u32 = 16384;
 
-use pmcip_core::scene::{Leaf8, Light, Material, Node8, SceneData, Surface, Texture, Triangle};
+use pmcip_core::scene::{Leaf8, Light, LightNode8, Material, Node8, SceneData, Surface, Texture, Triangle};
 use std::path::{Path, PathBuf};
 
 /// From where a scene is seen.
@@ -110,6 +110,8 @@ pub struct LoadedScene {
     pub texels: Vec<[f32; 3]>,
     /// Emitting triangles.
     pub lights: Vec<Light>,
+    /// Tree over them; empty where they are few.
+    pub light_nodes: Vec<LightNode8>,
     /// The camera.
     pub view: View,
     /// Image width in pixels.
@@ -138,6 +140,7 @@ impl LoadedScene {
             textures: &self.textures,
             texels: &self.texels,
             lights: &self.lights,
+            light_nodes: &self.light_nodes,
         }
     }
 
