@@ -55,6 +55,7 @@ pub mod batch;
 pub mod camera;
 pub mod estimate;
 pub mod film;
+pub mod homography;
 pub mod kernel;
 pub mod math;
 pub mod sampler;
