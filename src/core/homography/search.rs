@@ -48,7 +48,7 @@ impl<'a> Search<'a> {
         let threshold = settings.threshold * frames[1].scale;
         let (low, high) = bounds(pairs.iter().map(|pair| frames[1].inward(pair.to)));
         let area = ((high[0] - low[0]) * (high[1] - low[1])).max(MIN_SIGMA);
-        let limits = [MIN_SIGMA, threshold.max(MIN_SIGMA)];
+        let limits = [MIN_SIGMA, (REACH * threshold).max(MIN_SIGMA)];
         let refiner = Refiner { blocks, pairs: pairs.len() as f64, area, bounds: limits };
         Search { pairs, frames, settings, refiner, threshold }
     }
@@ -61,7 +61,9 @@ impl<'a> Search<'a> {
         let homography = outward(&matrix, &self.frames);
         let inliers = || self.pairs.iter().filter(|pair| homography.error(pair) <= self.settings.threshold);
         let count = inliers().count();
-        if !self.beats_chance(count) {
+        let distance = (2.5 * noise.sigma).clamp(0.5 * self.threshold, REACH * self.threshold);
+        let near = |pair: &&Pair| homography.error(pair) * self.frames[1].scale <= distance;
+        if !self.beats_chance(self.pairs.iter().filter(near).count(), distance) {
             return Err(Error::NoConsensus);
         }
         let area = corners(inliers().map(|pair| self.frames[0].inward(pair.from)));
@@ -157,16 +159,16 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Whether so many inliers are unlikely for pairs that have nothing to do with each other.
+    /// Whether so many inliers within a distance are unlikely for pairs that have nothing to do with each other.
     ///
     /// The expected number of homographies through four pairs with k inliers of n, each by chance p, is
     /// (n − 4)·C(n, k)·C(k, 4)·p^(k − 4); it must be below 1.
-    fn beats_chance(&self, inliers: usize) -> bool {
+    fn beats_chance(&self, inliers: usize, distance: f64) -> bool {
         let (n, k) = (self.refiner.pairs, inliers as f64);
         if inliers == self.pairs.len() && inliers == 4 {
             return true;
         }
-        let chance = (PI * self.threshold * self.threshold / self.refiner.area).min(1.0);
+        let chance = (PI * distance * distance / self.refiner.area).min(1.0);
         let choose =
             |n: f64, k: f64| libm::lgamma(n + 1.0) - libm::lgamma(k + 1.0) - libm::lgamma(n - k + 1.0);
         let tests = libm::log(n - 4.0) + choose(n, k) + choose(k, 4.0);
