@@ -42,6 +42,7 @@ mod refine;
 mod score;
 mod search;
 
+pub(crate) use minimal::{adjugate, determinant};
 pub use score::Block;
 
 /// Largest coordinate of a point, either way.

@@ -54,6 +54,7 @@ pub mod allocate;
 pub mod batch;
 pub mod camera;
 pub mod estimate;
+pub mod features;
 pub mod film;
 pub mod homography;
 pub mod kernel;

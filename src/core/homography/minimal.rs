@@ -82,13 +82,13 @@ fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
 }
 
 /// Transposed cofactors: the inverse times the determinant.
-pub(super) fn adjugate(m: &Matrix) -> Matrix {
+pub(crate) fn adjugate(m: &Matrix) -> Matrix {
     let [a, b, c] = [cross(m[1], m[2]), cross(m[2], m[0]), cross(m[0], m[1])];
     [0, 1, 2].map(|i| [a[i], b[i], c[i]])
 }
 
 /// The determinant.
-pub(super) fn determinant(m: &Matrix) -> f64 {
+pub(crate) fn determinant(m: &Matrix) -> f64 {
     let minor = cross(m[1], m[2]);
     m[0][0] * minor[0] + m[0][1] * minor[1] + m[0][2] * minor[2]
 }
