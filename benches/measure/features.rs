@@ -1,35 +1,30 @@
 //! How many features of a coarse frame are found again in an earlier, finer frame, and how long it takes.
 //!
-//! `cargo run --release --example features -- [FOLDER]` renders the scenes at 512×512 with 64 samples a pixel, and from
-//! the same place, turned, with 4; the true motion is then a homography. It prints the matches (ratio 0.8), those
-//! within 3 pixels of the truth, the error of the homography fitted to them at the picture's corners that both frames
-//! see, and the time of detection in both frames, matching and fitting on one thread. To FOLDER it writes the pictures
-//! that features were looked for in, 8-bit, median filtered, and the true homographies (coarse to fine), row by row.
+//! `cargo run --release --example features -- [SPP [FOLDER]]` renders the scenes at 512×512 with SPP (64) samples a
+//! pixel, and from the same place, turned, with 4; the true motion is then a homography. It prints the matches (ratio
+//! 0.8), those within 3 pixels of the truth, the mean error of the homography fitted to them at the corners of the
+//! picture's middle half, and the time of detection in both frames, matching and fitting on one thread. To FOLDER it
+//! writes the pictures that features were looked for in, 8-bit, median filtered, and the true homographies (coarse to
+//! fine), row by row, so that other detectors can be run on them.
 
-use pmcip::render;
+mod turned;
+
 use pmcip::scene::{self, View};
-use pmcip::settings::{Method, Settings};
 use pmcip_core::features::{self, Feature, Picture};
 use pmcip_core::homography::{self, Block, Fit, Homography, Pair};
 use std::path::Path;
 use std::time::Instant;
-
-const SIDE: usize = 512;
-/// Where the camera looks, what is up, and by how many pixels at most the picture moves.
-const TURNS: [(&str, [f32; 3], [f32; 3]); 3] = [
-    ("small", [290.0, 268.0, 0.0], [0.0, 1.0, 0.0]),
-    ("large", [218.0, 303.0, 0.0], [0.1, 1.0, 0.0]),
-    ("rolled", [120.0, 373.0, 0.0], [0.4, 1.0, 0.0]),
-];
+use turned::{SIDE, TURNS, coded, motion};
 
 fn main() -> std::io::Result<()> {
-    let folder = std::env::args().nth(1);
+    let spp = std::env::args().nth(1).map_or(64, |spp| spp.parse().expect("a number of samples"));
+    let folder = std::env::args().nth(2);
     println!("| frame | features | matches | within 3 px | homography, corner error | ms |");
     println!("| --- | --- | --- | --- | --- | --- |");
     for name in ["cornell", "caustic"] {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("scenes/{name}.toml"));
         let scene = scene::load(&path).expect("a scene of this project loads");
-        let fine = coded(&scene, scene.view, 64, 1);
+        let fine = coded(&scene, scene.view, spp, 1);
         for (turn, at, up) in TURNS {
             let view = View { at, up, ..scene.view };
             let coarse = coded(&scene, view, 4, 2);
@@ -41,55 +36,6 @@ fn main() -> std::io::Result<()> {
         }
     }
     Ok(())
-}
-
-/// A frame in steps of 1/255 of white, median filtered.
-fn coded(scene: &scene::LoadedScene, view: View, spp: u32, seed: u32) -> Vec<f32> {
-    let side = SIDE as u32;
-    let mut settings = Settings::new(scene, Method::Uniform, Some(spp), Some((side, side)));
-    (settings.view, settings.sampler.seed) = (view, seed);
-    let frame = render::render(scene, &settings, None, &|_| ()).expect("a frame renders");
-    let code = |rgb: &[f32; 3]| {
-        let luminance = 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
-        (255.0 * luminance.clamp(0.0, 1.0).powf(1.0 / 2.2)).round() / 255.0
-    };
-    let coded: Vec<f32> = frame.picture(&settings, scene).rgb.iter().map(code).collect();
-    let mut filtered = vec![0.0; coded.len()];
-    let picture = Picture::new(&coded, SIDE, SIDE).expect("a picture of that size");
-    features::median3(picture, &mut filtered).expect("as many values");
-    filtered
-}
-
-/// The homography from one view to another from the same place.
-fn motion(from: &View, to: &View) -> Homography {
-    let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(|[x, y]| {
-        let from_pixel = [x * SIDE as f64, y * SIDE as f64];
-        let (a, b) = (axes(from), axes(to));
-        let half = (f64::from(from.fov) / 2.0).to_radians().tan();
-        let (u, v) = (half * (2.0 * x - 1.0), half * (2.0 * y - 1.0));
-        let direction = [0, 1, 2].map(|i| u * a[0][i] + v * a[1][i] + a[2][i]);
-        let [r, d, f] = b.map(|axis| (0..3).map(|i| axis[i] * direction[i]).sum::<f64>());
-        let pixel = |t: f64| (t / f / half + 1.0) / 2.0 * SIDE as f64;
-        Pair { from: from_pixel, to: [pixel(r), pixel(d)] }
-    });
-    Homography::through(&corners).expect("the views overlap")
-}
-
-/// A view's right, down and forward.
-fn axes(view: &View) -> [[f64; 3]; 3] {
-    let cross = |a: [f64; 3], b: [f64; 3]| {
-        [0, 1, 2].map(|i| {
-            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-            a[j] * b[k] - a[k] * b[j]
-        })
-    };
-    let unit = |a: [f64; 3]| {
-        let length = a.iter().map(|c| c * c).sum::<f64>().sqrt();
-        a.map(|c| c / length)
-    };
-    let forward = unit([0, 1, 2].map(|i| f64::from(view.at[i]) - f64::from(view.from[i])));
-    let right = unit(cross(forward, view.up.map(f64::from)));
-    [right, cross(forward, right), forward]
 }
 
 fn write(folder: &Path, name: &str, coarse: &[f32], fine: &[f32], truth: &Homography) -> std::io::Result<()> {

@@ -26,8 +26,8 @@ const FINE: usize = 4;
 const TURNS: usize = 8 * FINE;
 /// Distance of gradients for the direction, in scales: the grid reaches 4.5 scales from the feature.
 const DIRECTION_STEP: f32 = 9.0 / SIDE as f32;
-/// The same for the descriptor: a cell has three scales.
-const DESCRIPTOR_STEP: f32 = 3.0 * CELLS as f32 / SIDE as f32;
+/// The same for the descriptor: a cell has four scales, one more than Lowe's.
+const DESCRIPTOR_STEP: f32 = 4.0 * CELLS as f32 / SIDE as f32;
 /// Part of the highest peak from which on another one is a direction as well.
 const PEAK: f32 = 0.8;
 /// Largest part of one direction of one cell in a descriptor's norm, so that a glint does not decide alone.
