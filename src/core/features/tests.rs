@@ -12,23 +12,29 @@ fn unit(seed: u32, i: usize) -> f32 {
     (hash(hash(seed) ^ i as u32) >> 8) as f32 / 16_777_216.0
 }
 
-/// Ninety soft blobs of random place, size, shape and brightness, seen at a point.
-fn blobs(seed: u32, x: f32, y: f32) -> f32 {
-    (0..90).fold(0.5, |sum, i| {
+/// Ninety soft blobs of random place, size, shape and brightness: place, axes over their squared lengths, height.
+fn blobs(seed: u32) -> [[f32; 7]; 90] {
+    core::array::from_fn(|i| {
         let number = |k: usize| unit(seed, 8 * i + k);
-        let (dx, dy) = (x - 160.0 * number(0) + 14.0, y - 160.0 * number(1) + 14.0);
         let (sin, cos) = (libm::sinf(6.3 * number(2)), libm::cosf(6.3 * number(2)));
         let size = 1.5 + 7.0 * number(3) * number(3);
-        let (u, v) = ((dx * cos + dy * sin) / size, (dy * cos - dx * sin) / (size * (0.5 + number(4))));
-        sum + 0.8 * (number(5) - 0.5) * libm::expf(-0.5 * (u * u + v * v))
+        let (a, b) = (1.0 / size, 1.0 / (size * (0.5 + number(4))));
+        let place = |k: usize| 160.0 * number(k) - 14.0;
+        [place(0), place(1), cos * a, sin * a, cos * b, sin * b, 0.8 * (number(5) - 0.5)]
     })
 }
 
 /// A picture of some blobs through a mapping from its pixels to the blobs' plane.
-fn render(map: impl Fn(f32, f32) -> (f32, f32)) -> [f32; PIXELS] {
+fn render(seed: u32, map: impl Fn(f32, f32) -> (f32, f32)) -> [f32; PIXELS] {
+    let blobs = blobs(seed);
     core::array::from_fn(|i| {
         let (x, y) = map((i % WIDTH) as f32 + 0.5, (i / WIDTH) as f32 + 0.5);
-        blobs(1, x, y)
+        blobs.iter().fold(0.5, |sum, [left, top, ax, ay, bx, by, height]| {
+            let (dx, dy) = (x - left, y - top);
+            let (u, v) = (dx * ax + dy * ay, dy * bx - dx * by);
+            let square = u * u + v * v;
+            if square > 30.0 { sum } else { sum + height * libm::expf(-0.5 * square) }
+        })
     })
 }
 
@@ -41,7 +47,7 @@ fn found(values: &[f32], features: &mut [Feature]) -> usize {
 /// Matches between the plain picture and a mapped one: all, and those within a pixel of the mapping.
 fn agreement(map: impl Fn(f32, f32) -> (f32, f32)) -> (usize, usize) {
     let (mut plain, mut mapped) = ([Feature::default(); MANY], [Feature::default(); MANY]);
-    let counts = [found(&render(|x, y| (x, y)), &mut plain), found(&render(&map), &mut mapped)];
+    let counts = [found(&render(1, |x, y| (x, y)), &mut plain), found(&render(1, &map), &mut mapped)];
     let (plain, mapped) = (&plain[..counts[0]], &mapped[..counts[1]]);
     let right = |m: &Match| {
         let (p, q) = (&plain[m.to], &mapped[m.from]);
@@ -90,10 +96,7 @@ fn different_pictures_have_few_matches() {
     let far = |x: f32, y: f32| (x + 5_000.0, y);
     assert_eq!(agreement(far).0, 0, "a flat picture has no features");
     let (mut here, mut there) = ([Feature::default(); MANY], [Feature::default(); MANY]);
-    let other = |seed| {
-        core::array::from_fn::<f32, PIXELS, _>(|i| blobs(seed, (i % WIDTH) as f32, (i / WIDTH) as f32))
-    };
-    let counts = [found(&other(2), &mut here), found(&other(3), &mut there)];
+    let counts = [found(&render(2, |x, y| (x, y)), &mut here), found(&render(3, |x, y| (x, y)), &mut there)];
     assert!(counts.iter().all(|count| *count > 30), "{counts:?}");
     let matches = matches(&here[..counts[0]], &there[..counts[1]], 0.8).count();
     assert!(10 * matches < counts[0], "{matches} of {counts:?}");
@@ -117,7 +120,7 @@ fn straight_edges_are_no_features() {
 
 #[test]
 fn the_strongest_stay_when_there_is_little_room() {
-    let picture = render(|x, y| (x, y));
+    let picture = render(1, |x, y| (x, y));
     let (mut all, mut few) = ([Feature::default(); MANY], [Feature::default(); 10]);
     let count = found(&picture, &mut all);
     assert!(count > 20 && count < MANY, "{count}");
@@ -130,7 +133,7 @@ fn the_strongest_stay_when_there_is_little_room() {
 #[test]
 fn descriptors_have_unit_norm() {
     let mut features = [Feature::default(); MANY];
-    let count = found(&render(|x, y| (x, y)), &mut features);
+    let count = found(&render(1, |x, y| (x, y)), &mut features);
     for feature in &features[..count] {
         let square: f64 = feature.descriptor.iter().map(|d| f64::from(*d) * f64::from(*d)).sum();
         assert!((square.sqrt() / f64::from(UNIT) - 1.0).abs() < 1e-3);
@@ -139,7 +142,7 @@ fn descriptors_have_unit_norm() {
 
 #[test]
 fn wild_pixels_do_no_harm() {
-    let mut picture = render(|x, y| (x, y));
+    let mut picture = render(1, |x, y| (x, y));
     for (i, wild) in [f32::NAN, f32::INFINITY, -f32::INFINITY, 1e30, -5.0].into_iter().enumerate() {
         picture[WIDTH * (20 + 15 * i) + 60] = wild;
     }
