@@ -7,12 +7,12 @@
 //! things everyone should know to improve object retrieval*, 2012), and a pair counts if it is clearly better than the
 //! second best.
 //!
-//! Made for coarse frames of four samples a pixel, it differs from Lowe's where that measured better or as good:
+//! Made for coarse frames of four samples a pixel, it differs from Lowe's in this:
 //! - The picture is not doubled first: its finest scales are noise.
 //! - Contrast and edge limits are lower; the ratio test removes what they let in.
-//! - A descriptor samples a fixed grid of 16 × 16 gradients, turned and scaled; so does the direction. A gradient
-//!   is divided over the two histogram directions next to it by decomposition into these two, which needs no
-//!   angle: see [`hats`](describe).
+//! - A descriptor cell is four scales wide, one more. Descriptor and direction sample a fixed grid of 16 × 16
+//!   gradients, turned and scaled. A gradient is divided over the two histogram directions next to it by
+//!   decomposition into these two, which needs no angle.
 //! - Bright blobs are compared with bright ones and dark ones with dark ones only.
 //!
 //! A picture is a plane of numbers that look evenly spaced to the eye, 0 black and 1 white: display-coded luminance,

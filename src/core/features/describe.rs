@@ -175,8 +175,8 @@ impl Describer {
         let raw: [f32; TURNS] = bytemuck::cast(sums.map(f32x8::to_array));
         let at = |i: usize| raw[i % TURNS];
         core::array::from_fn(|i| {
-            let (i, near) = (i + TURNS, 4.0);
-            6.0 * at(i) + near * (at(i - 1) + at(i + 1)) + at(i - 2) + at(i + 2)
+            let i = i + TURNS;
+            6.0 * at(i) + 4.0 * (at(i - 1) + at(i + 1)) + at(i - 2) + at(i + 2)
         })
     }
 

@@ -64,7 +64,7 @@ impl Finder {
                 for start in (MARGIN..end).step_by(8) {
                     // The last packet overlaps the one before; `fresh` are the lanes not seen yet.
                     let x = start.min(octave.width - 9);
-                    let fresh = 0xff << (start - x) & 0xff;
+                    let fresh = (0xff << (start - x)) & 0xff;
                     let mut mask = self.extrema(&around, y * octave.width + x, octave.width) & fresh;
                     while mask != 0 {
                         let x = x + mask.trailing_zeros() as usize;

@@ -34,12 +34,11 @@ impl Block {
 /// section through all of them.
 pub(super) fn fill(blocks: &mut [Block], pairs: &[Pair], frames: &[Frame; 2]) {
     let step = stride(pairs.len());
-    let order = (0..pairs.len()).scan(0, |at, _| {
+    let mut order = (0..pairs.len()).scan(0, |at, _| {
         let index = *at;
         *at = (*at + step) % pairs.len();
         Some(pairs[index])
     });
-    let mut order = order;
     for block in blocks {
         *block = Block::new(order.by_ref().take(8), frames);
     }

@@ -67,7 +67,8 @@ impl<'a> Search<'a> {
             return Err(Error::NoConsensus);
         }
         let area = corners(inliers().map(|pair| self.frames[0].inward(pair.from)));
-        if !(determinant(&matrix) > 0.0 && self.determined(&matrix, &noise, count, area)) {
+        let keeps_orientation = determinant(&matrix) > 0.0;
+        if !keeps_orientation || !self.determined(&matrix, &noise, count, area) {
             return Err(Error::Degenerate);
         }
         let sigma = noise.sigma / self.frames[1].scale;
@@ -137,7 +138,7 @@ impl<'a> Search<'a> {
         for i in 0..4 {
             loop {
                 key = hash(key);
-                places[i] = (u64::from(key) * self.pairs.len() as u64 >> 32) as usize;
+                places[i] = ((u64::from(key) * self.pairs.len() as u64) >> 32) as usize;
                 if !places[..i].contains(&places[i]) {
                     break;
                 }
