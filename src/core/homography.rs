@@ -11,11 +11,12 @@
 //! 4. The best so far is refined at once (Chum, Matas, Kittler, *Locally optimized RANSAC*, 2003): residuals are
 //!    taken for a mixture of a Gaussian of unknown σ and a uniform part, as in MLESAC (Torr and Zisserman,
 //!    2000), and expectation and a Gauss-Newton step of maximisation alternate, so that σ shrinks to what the
-//!    data say. The threshold only bounds it.
+//!    data say. The threshold only bounds it: it may be half the noise without harm.
 //! 5. Samples end when a better one has become unlikely (Fischler and Bolles, 1981).
 //! 6. The result must be better than chance (Moisan and Stival, *A probabilistic criterion to detect rigid point
 //!    matches between two images*, 2004) and well determined: noise of one threshold on the inliers may not move
-//!    the corners of their bounding box by more than [`MAX_GAIN`] thresholds.
+//!    the corners of their bounding box by more than [`MAX_GAIN`] thresholds. Pairs without which some parameter would
+//!    be free do not count for that: an outlier beside points on a line always fits.
 //!
 //! Residuals are measured in the second picture only. Scores are computed in `f32`, homographies in `f64`. The same
 //! pairs, settings and seed give the same bits. A fit allocates nothing; [`required`] says what it needs.
@@ -141,7 +142,7 @@ pub struct Fit {
     /// Pairs with an [error](Homography::error) of at most the threshold.
     pub inliers: u32,
     /// Estimated standard deviation of the inliers' noise in x and in y, in pixels of the second picture; at
-    /// least a millionth of the spread of the points and at most the threshold.
+    /// least a millionth of the spread of the points and at most twice the threshold.
     pub sigma: f64,
     /// Samples drawn.
     pub iterations: u32,

@@ -18,6 +18,17 @@ const MIN_SIGMA: f64 = 1e-6;
 /// Triangles of samples are at least so large (normalised, twice): smaller ones magnify noise too much.
 const MIN_SAMPLE_AREA: f64 = 1e-2;
 
+/// Share of inliers that the first sequential tests are made for.
+const FIRST_SHARE: f64 = 0.1;
+/// Part of the good samples that survive the sequential test.
+const KEPT: f64 = 0.99;
+/// Distance of the pairs that are counted against chance, in σ: 96 % of the inliers.
+const CHANCE_REACH: f64 = 2.5;
+/// Leverage of a pair, by the number of inliers, from which on it decides alone: four times the mean, within bounds.
+const DECIDES: f64 = 16.0;
+/// Bounds of that leverage; 1 means that no other pair has a say.
+const DECIDES_BOUNDS: [f64; 2] = [0.25, 0.999];
+
 /// The best homography so far, in normalised coordinates.
 #[derive(Clone, Copy)]
 struct Best {
@@ -61,7 +72,7 @@ impl<'a> Search<'a> {
         let homography = outward(&matrix, &self.frames);
         let inliers = || self.pairs.iter().filter(|pair| homography.error(pair) <= self.settings.threshold);
         let count = inliers().count();
-        let distance = (2.5 * noise.sigma).clamp(0.5 * self.threshold, REACH * self.threshold);
+        let distance = (CHANCE_REACH * noise.sigma).clamp(0.5 * self.threshold, REACH * self.threshold);
         let near = |pair: &&Pair| homography.error(pair) * self.frames[1].scale <= distance;
         if !self.beats_chance(self.pairs.iter().filter(near).count(), distance) {
             return Err(Error::NoConsensus);
@@ -80,7 +91,11 @@ impl<'a> Search<'a> {
     fn determined(&self, matrix: &Matrix, noise: &Noise, inliers: usize, corners: [[f64; 2]; 4]) -> bool {
         let (equations, _) = self.refiner.expect(matrix, noise, |_, weights| weights);
         let Some(solver) = equations.solver() else { return false };
-        let most = if inliers == 4 { f64::INFINITY } else { (16.0 / inliers as f64).clamp(0.25, 0.999) };
+        let most = if inliers == 4 {
+            f64::INFINITY
+        } else {
+            (DECIDES / inliers as f64).clamp(DECIDES_BOUNDS[0], DECIDES_BOUNDS[1])
+        };
         let without = |block: &Block, weights: [f32; 8]| {
             core::array::from_fn(|lane| {
                 let at = [block.double[0][lane], block.double[1][lane]];
@@ -101,7 +116,7 @@ impl<'a> Search<'a> {
     fn search(&self) -> (Option<Best>, u32) {
         let blocks = self.refiner.blocks;
         let mut best: Option<Best> = None;
-        let mut test = Test::new(REACH * self.threshold, 0.0, 0.1);
+        let mut test = Test::new(REACH * self.threshold, 0.0, FIRST_SHARE);
         let (mut needed, mut iteration) = (self.settings.max_iterations, 0);
         while iteration < needed {
             let sample = self.sample(iteration);
@@ -125,20 +140,21 @@ impl<'a> Search<'a> {
     /// Samples after which a better homography is unlikely.
     fn needed(&self, best: &Best) -> u32 {
         let inliers = self.share(best);
-        let hit = 0.99 * inliers * inliers * inliers * inliers;
+        let hit = KEPT * inliers * inliers * inliers * inliers;
         let samples = libm::log(1.0 - self.settings.confidence) / libm::log(1.0 - hit);
-        samples.min(f64::from(u32::MAX)) as u32 + 1
+        samples.min(f64::from(u32::MAX - 1)) as u32 + 1
     }
 
     /// Four different pairs by their places in the blocks, as points of both pictures.
     #[inline(always)]
     fn sample(&self, iteration: u32) -> [[[f64; 2]; 4]; 2] {
         let mut places = [0; 4];
-        let mut key = hash(self.settings.seed) ^ iteration.wrapping_mul(0x9e37_79b9);
+        // A counter before the hash: it meets every number, so that no loop can be endless.
+        let mut counter = hash(hash(self.settings.seed) ^ iteration);
         for i in 0..4 {
             loop {
-                key = hash(key);
-                places[i] = ((u64::from(key) * self.pairs.len() as u64) >> 32) as usize;
+                counter = counter.wrapping_add(0x9e37_79b9);
+                places[i] = ((u64::from(hash(counter)) * self.pairs.len() as u64) >> 32) as usize;
                 if !places[..i].contains(&places[i]) {
                     break;
                 }
