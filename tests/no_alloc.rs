@@ -1,8 +1,11 @@
-//! The core allocates nothing while it builds lights, checks a scene, adapts, traces and resolves a frame.
+//! The core allocates nothing while it builds lights, checks a scene, adapts, traces and resolves a frame,
+//! nor while it looks for features and homographies.
 
 #[path = "no_std/frame.rs"]
 mod frame;
 
+use pmcip_core::features::{self, Feature, Picture};
+use pmcip_core::homography::{self, Block, Pair};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::hint::black_box;
@@ -47,6 +50,31 @@ fn a_frame_allocates_nothing() {
     let (tally, brightest) = result.expect("the core accepts scene and memory");
     assert_eq!((tally.samples, tally.rejected), (frame::SAMPLES, 0));
     assert!(brightest > 0.1, "the wall is lit: {brightest}");
+}
+
+#[test]
+fn features_and_homographies_allocate_nothing() {
+    const SIDE: usize = 64;
+    let mut scratch = vec![0.0; features::required(SIDE, SIDE)];
+    let mut found = vec![Feature::default(); 100];
+    let mut blocks = [Block::default(); homography::required(100)];
+    let values: Vec<f32> = (0..SIDE * SIDE).map(|i| ((i * i) % 251) as f32 / 251.0).collect();
+    let picture = Picture::new(&values, SIDE, SIDE).expect("large enough");
+    let mut filtered = values.clone();
+    let mut pairs = [Pair::default(); 100];
+    let work = || {
+        features::median3(picture, &mut filtered).expect("as many values");
+        let settings = features::Settings::default();
+        let count = features::detect(picture, &settings, &mut scratch, &mut found).expect("enough scratch");
+        let found = &found[..count];
+        for (pair, found) in
+            pairs.iter_mut().zip(features::matches(found, found, 0.8).map(|m| m.pair(found, found)))
+        {
+            *pair = found;
+        }
+        _ = black_box(homography::estimate(&pairs, &homography::Settings::default(), &mut blocks));
+    };
+    assert_eq!(allocations(work), 0);
 }
 
 #[test]

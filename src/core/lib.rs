@@ -26,6 +26,11 @@
 //! * [`film`] – running statistics, stored by tiles that threads can share out.
 //! * [`estimate`] – how samples become pixels: pooled, subframe, difference, balanced.
 //!
+//! Frames of an animation are not independent:
+//!
+//! * [`features`] – points of a picture that can be found again in another one, and who is who.
+//! * [`homography`] – the plane projective mapping on which most pairs of points agree.
+//!
 //! A path tracer comes along. It is an [`Integrand`](batch::Integrand) like any other:
 //!
 //! * [`scene`] – a scene as borrowed slices, checked once; [`camera`] – primary rays.
@@ -54,7 +59,9 @@ pub mod allocate;
 pub mod batch;
 pub mod camera;
 pub mod estimate;
+pub mod features;
 pub mod film;
+pub mod homography;
 pub mod kernel;
 pub mod math;
 pub mod sampler;
