@@ -20,8 +20,14 @@ pub struct Bvh {
 /// Most triangles in a leaf.
 const MAX_LEAF: u32 = 8;
 
-/// Cost of a triangle in a leaf, in wide nodes: what was best for rays alone and in packets, within noise.
+/// Cost of a triangle in a leaf, in wide nodes, measured: where rays part they meet a leaf's triangles at once, ...
 const TRIANGLE_COST: f32 = 0.07;
+
+/// ... while packets, which stay together in scenes of up to [`FEW`] triangles, meet them one by one.
+const TRIANGLE_COST_OF_FEW: f32 = 0.35;
+
+/// Triangles of a scene that the core walks in packets whatever the rays' directions.
+const FEW: usize = 256;
 
 /// Boxes grow by this fraction of the largest coordinate, a few rounding errors of the intersection tests, so
 /// that no ray slips between a box and the triangle on its face.
@@ -44,7 +50,8 @@ pub fn build(triangles: &[Triangle]) -> Bvh {
     let tree = build_bvh2_from_tris(&input, params, &mut Duration::default());
     let coordinates = triangles.iter().flat_map(|t| t.corners.as_flattened());
     let padding = PADDING * coordinates.fold(0.0f32, |m, v| m.max(v.abs()));
-    let plans = plans(&tree);
+    let triangle_cost = if triangles.len() <= FEW { TRIANGLE_COST_OF_FEW } else { TRIANGLE_COST };
+    let plans = plans(&tree, triangle_cost);
     let mut collapse = Collapse {
         tree: &tree,
         triangles,
@@ -72,7 +79,7 @@ struct Plan {
 
 /// The plans of least surface-area cost for all binary nodes (Ylitie, Karras and Laine, *Efficient incoherent ray
 /// traversal on GPUs through compressed wide BVHs*, HPG 2017, section 3.1).
-fn plans(tree: &Bvh2) -> Vec<Plan> {
+fn plans(tree: &Bvh2, triangle_cost: f32) -> Vec<Plan> {
     let mut order = vec![0];
     let mut next = 0;
     while let Some(&index) = order.get(next) {
@@ -88,27 +95,28 @@ fn plans(tree: &Bvh2) -> Vec<Plan> {
         let area = node.aabb().half_area();
         let first = node.first_index as usize;
         plans[index] = if node.is_leaf() {
-            leaf(area, node.prim_count)
+            leaf(area * triangle_cost, node.prim_count)
         } else {
-            join(area, &plans[first], &plans[first + 1])
+            join(area, triangle_cost, &plans[first], &plans[first + 1])
         };
     }
     plans
 }
 
-fn leaf(area: f32, count: u32) -> Plan {
-    Plan { cost: [area * count as f32 * TRIANGLE_COST; 7], split: [0; 7], count }
+/// The plan for a leaf of `count` triangles, of which each costs `cost`.
+fn leaf(cost: f32, count: u32) -> Plan {
+    Plan { cost: [cost * count as f32; 7], split: [0; 7], count }
 }
 
 /// The plan for a node of two halves.
-fn join(area: f32, a: &Plan, b: &Plan) -> Plan {
+fn join(area: f32, triangle_cost: f32, a: &Plan, b: &Plan) -> Plan {
     let best = |children: usize| {
         (children.saturating_sub(7).max(1)..children.min(8))
             .map(|k| (a.cost[k - 1] + b.cost[children - k - 1], k as u8))
             .min_by(|x, y| x.0.total_cmp(&y.0))
             .expect("there is a way to divide two or more children")
     };
-    let mut plan = leaf(area, a.count + b.count);
+    let mut plan = leaf(area * triangle_cost, a.count + b.count);
     let (below, share) = best(8);
     let inner = below + area;
     if plan.count > MAX_LEAF || inner < plan.cost[0] {
