@@ -4,7 +4,7 @@
 //! it uniformly. The density of a point per area is then luminance over total power, the same formula for every
 //! light, so that a path that hits an emitter by chance knows it without looking the light up.
 
-use super::gather;
+use super::{fetch, hit};
 use crate::scene::{Light, Material, Scene, SceneData, Surface, Triangle};
 use crate::vec3::{self, Vec3x8};
 use wide::f32x8;
@@ -85,6 +85,8 @@ pub(super) struct LightPoints {
     pub radiance: Vec3x8,
     /// Density per unit area.
     pub density: f32x8,
+    /// Distance from the light at which rays that leave it start.
+    pub clearance: f32x8,
 }
 
 /// Picks points on the lights from uniform numbers `u`, `v` in `[0, 1)`. The scene must have a light.
@@ -98,16 +100,17 @@ pub(super) fn sample(scene: &Scene<'_>, u: f32x8, v: f32x8) -> LightPoints {
     // The number that picked the triangle is stretched over its share and serves again.
     let again = ((f32x8::from(u) - below) / (above - below)).fast_max(f32x8::ZERO).fast_min(f32x8::ONE);
     let triangle = picked.map(|i| data.lights[i].triangle);
-    let [a, b, c] = gather::corners(data, triangle);
+    let [a, b, c] = fetch::corners(data, triangle);
     let root = again.sqrt();
     let position = a + (b - a) * (root * (f32x8::ONE - v)) + (c - a) * (root * v);
     let material = triangle.map(|i| data.surfaces[i as usize].material);
-    let radiance = gather::materials(data, material).emission;
+    let radiance = fetch::materials(data, material).emission;
     LightPoints {
         position,
         normal: (b - a).cross(c - a).normalized(),
         radiance,
         density: luminance8(radiance) * f32x8::splat(scene.inverse_power()),
+        clearance: hit::largest([a, b, c]) * f32x8::splat(hit::CLEARANCE),
     }
 }
 

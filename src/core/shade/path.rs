@@ -35,7 +35,7 @@ const MAX_SURVIVAL: f32 = 0.95;
 const SHADOW_REACH: f32 = 1.0 - 1e-4;
 
 /// Sobol sets a depth uses: light position, direction, and choices.
-const SETS: u32 = 3;
+pub(super) const SETS: u32 = 3;
 
 /// How full packets were: rays traced over eight times the packets traced is the occupancy.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -52,12 +52,12 @@ pub struct Traffic {
 
 /// The path tracer. Implements [`Integrand`].
 pub struct PathTracer<'a> {
-    tracer: Tracer<'a>,
+    pub(super) tracer: Tracer<'a>,
     camera: Camera,
-    max_depth: u32,
-    queue: Queue<'a>,
-    shadows: Shadows,
-    traffic: Traffic,
+    pub(super) max_depth: u32,
+    pub(super) queue: Queue<'a>,
+    pub(super) shadows: Shadows,
+    pub(super) traffic: Traffic,
 }
 
 impl<'a> PathTracer<'a> {
@@ -88,7 +88,7 @@ impl<'a> PathTracer<'a> {
     }
 
     /// Fills the queue with the primary rays of `batches`.
-    fn start(&mut self, batches: &[Batch8]) {
+    pub(super) fn start(&mut self, batches: &[Batch8]) {
         self.queue.clear();
         for (number, batch) in batches.iter().enumerate() {
             let slot = u32x8::splat(8 * number as u32) + u32x8::new([0, 1, 2, 3, 4, 5, 6, 7]);
@@ -135,7 +135,7 @@ impl<'a> PathTracer<'a> {
     }
 
     /// Adds what the surface emits towards the path, weighted against aiming at it.
-    fn add_emission(&self, paths: &Paths, surface: &SurfacePoints, t: f32x8, radiance: &mut [Rgb8]) {
+    pub(super) fn add_emission(&self, paths: &Paths, surface: &SurfacePoints, t: f32x8, radiance: &mut [Rgb8]) {
         let front = surface.cosine.simd_gt(f32x8::ZERO);
         let lit = surface.hit & front & surface.emission.max_component().simd_gt(f32x8::ZERO);
         if !lit.any() {
@@ -149,7 +149,7 @@ impl<'a> PathTracer<'a> {
     }
 
     /// Queues a shadow ray and samples the next direction in the lanes of `rough`.
-    fn scatter_rough(
+    pub(super) fn scatter_rough(
         &mut self,
         next: &mut Paths,
         surface: &SurfacePoints,
@@ -214,7 +214,7 @@ impl<'a> PathTracer<'a> {
         }
     }
 
-    fn trace_shadows(&mut self, radiance: &mut [Rgb8]) {
+    pub(super) fn trace_shadows(&mut self, radiance: &mut [Rgb8]) {
         self.traffic.shadow_packets += 1;
         self.traffic.shadow_rays += u64::from(self.shadows.lanes());
         let rays = self.shadows.rays();
@@ -255,7 +255,7 @@ impl Integrand for PathTracer<'_> {
 }
 
 /// Replaces direction and throughput in the lanes that hit a mirror or a dielectric.
-fn scatter_specular(next: &mut Paths, surface: &SurfacePoints, choice: f32x8) {
+pub(super) fn scatter_specular(next: &mut Paths, surface: &SurfacePoints, choice: f32x8) {
     let infinite = f32x8::splat(f32::INFINITY);
     let mirror = surface.scatters(Scattering::Mirror);
     let glass = surface.scatters(Scattering::Dielectric);
@@ -271,7 +271,7 @@ fn scatter_specular(next: &mut Paths, surface: &SurfacePoints, choice: f32x8) {
 }
 
 /// Ends paths that carry nothing, and by chance those that carry little; returns the others, as bits.
-fn survivors(next: &mut Paths, hit: f32x8, depth: u32) -> u32 {
+pub(super) fn survivors(next: &mut Paths, hit: f32x8, depth: u32) -> u32 {
     let carried = next.throughput.max_component();
     let mut alive = hit & carried.simd_gt(f32x8::ZERO);
     if depth >= ROULETTE_DEPTH {
@@ -291,7 +291,7 @@ fn power_heuristic(own: f32x8, other: f32x8) -> f32x8 {
 }
 
 /// An orthonormal frame whose third axis is the shading normal.
-struct Frame {
+pub(super) struct Frame {
     tangent: Vec3x8,
     bitangent: Vec3x8,
     normal: Vec3x8,
@@ -299,18 +299,28 @@ struct Frame {
 
 impl Frame {
     #[inline(always)]
-    fn new(normal: Vec3x8) -> Self {
+    pub(super) fn new(normal: Vec3x8) -> Self {
         let (tangent, bitangent) = perpendicular(normal);
         Frame { tangent, bitangent, normal }
     }
 
     #[inline(always)]
-    fn to_local(&self, v: Vec3x8) -> Vec3x8 {
+    pub(super) fn to_local(&self, v: Vec3x8) -> Vec3x8 {
         Vec3x8::new(v.dot(self.tangent), v.dot(self.bitangent), v.dot(self.normal))
     }
 
+    /// One lane's frame in all lanes.
     #[inline(always)]
-    fn to_world(&self, v: Vec3x8) -> Vec3x8 {
+    pub(super) fn lane(&self, lane: usize) -> Self {
+        Frame {
+            tangent: self.tangent.lane(lane),
+            bitangent: self.bitangent.lane(lane),
+            normal: self.normal.lane(lane),
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn to_world(&self, v: Vec3x8) -> Vec3x8 {
         self.tangent * v.x + self.bitangent * v.y + self.normal * v.z
     }
 }
