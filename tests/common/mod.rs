@@ -2,7 +2,7 @@
 #![allow(dead_code, reason = "each test file uses its own part")]
 
 use pmcip::scene::bvh;
-use pmcip_core::batch::{Batch8, Rgb8};
+use pmcip_core::batch::{Batch8, Integrand, Rgb8};
 use pmcip_core::camera::Camera;
 use pmcip_core::sampler::{Memory, Sampler, Schedule, Settings, Workspace};
 use pmcip_core::scene::{Light, Material, Node8, Scene, SceneData, Surface, Triangle};
@@ -86,7 +86,15 @@ pub fn inward_box(lower: [f32; 3], upper: [f32; 3]) -> Vec<Triangle> {
     faces.iter().flat_map(|&[a, b, c, d]| [triangle([a, b, c]), triangle([a, c, d])]).collect()
 }
 
-/// A picture made on one thread with the core alone: interleaved RGB, and how full the packets were.
+/// Samples of a stream.
+const STREAM: usize = 2048;
+
+/// Memory for a path tracer.
+pub fn packets() -> Vec<Packet> {
+    vec![Packet::default(); PathTracer::required(STREAM)]
+}
+
+/// A path-traced picture made on one thread with the core alone: interleaved RGB, and how full the packets were.
 pub fn render(
     scene: Scene<'_>,
     camera: Camera,
@@ -94,27 +102,31 @@ pub fn render(
     settings: Settings,
     schedule: Schedule,
 ) -> (Vec<f32>, Traffic) {
-    const STREAM: usize = 2048;
+    let mut packets = packets();
+    let mut tracer = PathTracer::new(scene, camera, max_depth, &mut packets);
+    (sample(&mut tracer, settings, schedule), tracer.traffic())
+}
+
+/// A picture of any integrand, made on one thread with the core alone: interleaved RGB.
+pub fn sample(integrand: &mut impl Integrand, settings: Settings, schedule: Schedule) -> Vec<f32> {
     let (width, height) = (settings.width, settings.height);
     let required = Sampler::required(width, height);
     let (mut floats, mut words) = (vec![0.0; required.floats], vec![0; required.words]);
     let mut sampler = Sampler::new(settings, Memory { floats: &mut floats, words: &mut words }).unwrap();
-    let mut packets = vec![Packet::default(); PathTracer::required(STREAM)];
-    let mut tracer = PathTracer::new(scene, camera, max_depth, &mut packets);
     let (mut batches, mut radiance) =
         (vec![Batch8::default(); STREAM / 8], vec![Rgb8::default(); STREAM / 8]);
     let mut work = Workspace::new(&mut batches, &mut radiance).unwrap();
     for samples in schedule {
         sampler.begin(samples).unwrap();
         for mut job in sampler.jobs() {
-            job.render(&mut tracer, &mut work);
+            job.render(integrand, &mut work);
         }
         assert_eq!(sampler.end().unwrap().rejected, 0);
     }
     let mut scratch = vec![Default::default(); Sampler::resolve_scratch(width, height)];
     let mut rgb = vec![0.0; 3 * (width * height) as usize];
     sampler.resolve(settings.estimator, &mut scratch, &mut rgb).unwrap();
-    (rgb, tracer.traffic())
+    rgb
 }
 
 /// Mean and standard error of the mean.
