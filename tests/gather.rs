@@ -25,7 +25,8 @@ fn probe() {
         let depth: u32 = std::env::var("DEPTH").map_or(8, |d| d.parse().unwrap());
         let (a, b) = (64, 1024);
         let t = Instant::now();
-        let (reference, _) = render(scene, camera, depth, settings, Schedule::new((side * side).into(), b, 8, b / 8));
+        let (reference, _) =
+            render(scene, camera, depth, settings, Schedule::new((side * side).into(), b, 8, b / 8));
         let r = mean(&reference);
         println!("{name} path {r:?} {:?} for {b}", t.elapsed());
         for photons in [50_000, 200_000, 800_000] {
@@ -38,8 +39,12 @@ fn probe() {
                 let picture = sample(&mut gather, settings, Schedule::new((side * side).into(), a, 8, a / 8));
                 let g = mean(&picture);
                 println!(
-                    "{photons} {} {} {:.2} s: {:?} {:?} for {a}", maps.global, maps.caustic(), maps.seconds,
-                    [0, 1, 2].map(|c| format!("{:+.2} %", (g[c] / r[c] - 1.0) * 100.0)), t.elapsed()
+                    "{photons} {} {} {:.2} s: {:?} {:?} for {a}",
+                    maps.shot().global,
+                    maps.shot().caustic,
+                    maps.shot().seconds,
+                    [0, 1, 2].map(|c| format!("{:+.2} %", (g[c] / r[c] - 1.0) * 100.0)),
+                    t.elapsed()
                 );
             }
         }

@@ -277,8 +277,7 @@ impl<'a, T: Site> Tree<'a, T> {
                 return limit;
             }
             let nearer = |a: (usize, f32), b: (usize, f32)| if b.1 < a.1 { b } else { a };
-            let (lane, least) =
-                distance.to_array().into_iter().enumerate().fold((0, f32::INFINITY), nearer);
+            let (lane, least) = distance.to_array().into_iter().enumerate().fold((0, f32::INFINITY), nearer);
             best = Some((leaf.first as usize + lane, least));
             least
         });

@@ -3,7 +3,10 @@
 use clap::error::ErrorKind;
 use clap::{Args, Parser, Subcommand};
 use pmcip::compare::Variant;
-use pmcip::settings::{Estimate, MAX_DEPTH, Method};
+use pmcip::settings::{
+    DEFAULT_LIGHT_SAMPLES, DEFAULT_PHOTONS, Estimate, Integrator, MAX_DEPTH, MAX_LIGHT_SAMPLES, MAX_PHOTONS,
+    Method,
+};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -45,9 +48,6 @@ pub struct Render {
     /// Rounds of sampling and adapting, the first one uniform [default: one for each 2 spp, at most 16]
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u32).range(1..=65_536))]
     pub iterations: Option<u32>,
-    /// How light is followed
-    #[arg(long, value_enum, default_value = "path")]
-    pub integrator: Integrator,
     /// Where samples go: adaptive (pmc), everywhere the same (uniform), or as first published (paper)
     #[arg(long, value_enum, default_value = "pmc")]
     pub sampler: Method,
@@ -86,6 +86,19 @@ pub struct Reference {
 pub struct Common {
     /// Scene file (.toml) or bare .obj
     pub scene: PathBuf,
+    /// How light is followed
+    #[arg(long, value_enum, default_value = "path")]
+    pub integrator: IntegratorName,
+    /// Points on lights that direct lighting aims at for each pixel sample [default: 8]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_LIGHT_SAMPLES)))]
+    pub light_samples: Option<u32>,
+    /// Directions that direct lighting draws from the surface's scattering for each pixel sample: more of them help
+    /// where polished surfaces reflect large lights [default: as many as light samples]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_LIGHT_SAMPLES)))]
+    pub bsdf_samples: Option<u32>,
+    /// Photon paths that gather shoots for a frame; more of them blur less [default: 200000]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_PHOTONS)))]
+    pub photons: Option<u32>,
     /// Longest path in segments, counted from the eye: 2 is direct light only [default: the scene's, or 8]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_DEPTH)))]
     pub max_depth: Option<u32>,
@@ -169,10 +182,50 @@ pub struct Info {
 }
 
 /// How light is followed.
-#[derive(Clone, Copy, Debug, clap::ValueEnum)]
-pub enum Integrator {
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum IntegratorName {
     /// Path tracing with next-event estimation
     Path,
+    /// Direct lighting with multiple importance sampling, also through mirrors and glass
+    Direct,
+    /// Photon mapping with final gathering and a caustic map: less noise where light is indirect, but biased
+    Gather,
+}
+
+impl Common {
+    /// The integrator with its own options.
+    ///
+    /// # Errors
+    /// If an option is given that belongs to another integrator.
+    pub fn integrator(&self) -> Result<Integrator, String> {
+        if self.integrator != IntegratorName::Direct {
+            reject(self.light_samples, "--light-samples", "direct")?;
+            reject(self.bsdf_samples, "--bsdf-samples", "direct")?;
+        }
+        if self.integrator != IntegratorName::Gather {
+            reject(self.photons, "--photons", "gather")?;
+        }
+        Ok(match self.integrator {
+            IntegratorName::Path => Integrator::Path,
+            IntegratorName::Direct => {
+                let light_samples = self.light_samples.unwrap_or(DEFAULT_LIGHT_SAMPLES);
+                let bsdf_samples = self.bsdf_samples.unwrap_or(light_samples);
+                Integrator::Direct { light_samples, bsdf_samples }
+            }
+            IntegratorName::Gather => {
+                let photons = self.photons.unwrap_or(DEFAULT_PHOTONS);
+                Integrator::Gather { photons, photon_seed: self.seed }
+            }
+        })
+    }
+}
+
+/// Refuses an option that would have no effect.
+fn reject<T>(given: Option<T>, option: &str, integrator: &str) -> Result<(), String> {
+    match given {
+        None => Ok(()),
+        Some(_) => Err(format!("{option} needs --integrator {integrator}")),
+    }
 }
 
 /// Prints help, or a refusal in one line, and picks the exit code.

@@ -51,7 +51,7 @@ fn render_frame(arguments: &Render) -> Result<(), Failure> {
     let exr = arguments.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.exr", scene.name)));
     let png = exr.with_extension("png");
     [&exr, &png].into_iter().try_for_each(|path| output::check(path)).map_err(bad)?;
-    let mut settings = settings(&scene, &arguments.common, arguments.sampler, arguments.spp);
+    let mut settings = settings(&scene, &arguments.common, arguments.sampler, arguments.spp)?;
     settings.iterations = arguments.iterations.unwrap_or(settings.iterations);
     settings.sampler.gamma = arguments.gamma.unwrap_or(settings.sampler.gamma);
     settings.set_estimator(arguments.estimator.map_or(settings.sampler.estimator, Into::into));
@@ -68,7 +68,7 @@ fn render_frame(arguments: &Render) -> Result<(), Failure> {
 fn render_reference(arguments: &Reference) -> Result<(), Failure> {
     let scene = load(&arguments.common)?;
     output::check(&arguments.output).map_err(bad)?;
-    let settings = settings(&scene, &arguments.common, Method::Uniform, Some(arguments.spp));
+    let settings = settings(&scene, &arguments.common, Method::Uniform, Some(arguments.spp))?;
     let frame = work(&scene, &settings, &arguments.common)?;
     frame_io::write_exr(&arguments.output, &frame.picture(&settings, &scene)).map_err(failed)?;
     let report = report::Rendered::new(&scene, &settings, &frame, std::slice::from_ref(&arguments.output));
@@ -87,8 +87,14 @@ fn load(common: &Common) -> Result<LoadedScene, Failure> {
 }
 
 /// The settings of the command and the scene, with the method's defaults for the rest.
-fn settings(scene: &LoadedScene, common: &Common, method: Method, spp: Option<u32>) -> Settings {
+fn settings(
+    scene: &LoadedScene,
+    common: &Common,
+    method: Method,
+    spp: Option<u32>,
+) -> Result<Settings, Failure> {
     let mut settings = Settings::new(scene, method, spp, common.size);
+    settings.integrator = common.integrator().map_err(bad)?;
     settings.max_depth = common.max_depth.unwrap_or(settings.max_depth);
     settings.sampler.seed = common.seed;
     settings.view = View {
@@ -97,7 +103,7 @@ fn settings(scene: &LoadedScene, common: &Common, method: Method, spp: Option<u3
         up: common.up.unwrap_or(scene.view.up),
         fov: common.fov.unwrap_or(scene.view.fov),
     };
-    settings
+    Ok(settings)
 }
 
 fn work(scene: &LoadedScene, settings: &Settings, common: &Common) -> Result<Frame, Failure> {
@@ -132,7 +138,7 @@ fn compare_methods(arguments: &Compare) -> Result<(), Failure> {
     let common = &arguments.common;
     let scene = load(common)?;
     prepare(&arguments.output)?;
-    let base = settings(&scene, common, Method::Uniform, None);
+    let base = settings(&scene, common, Method::Uniform, None)?;
     let plan = Plan::new(&arguments.methods, &arguments.spp, arguments.runs, base, common.threads);
     let reference = find_reference(&scene, &base, arguments)?;
     let bar = progress::bar(base.pixels(), plan.total_spp(), common.quiet);

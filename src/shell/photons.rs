@@ -47,9 +47,17 @@ pub struct Order {
 pub struct Photons {
     irradiance: Grown<Irradiance>,
     caustic: Grown<Photon>,
+    shot: Shot,
+}
+
+/// What was shot, and how long it took.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shot {
     /// Photons in the global map.
     pub global: usize,
-    /// Wall time of shooting and building.
+    /// Photons in the caustic map.
+    pub caustic: usize,
+    /// Wall time of shooting photons, building trees and estimating irradiance.
     pub seconds: f64,
 }
 
@@ -78,8 +86,10 @@ impl Photons {
             Some(pool) => pool.install(|| irradiance.sites.par_chunks_mut(POINTS).for_each(estimate)),
             None => irradiance.sites.chunks_mut(POINTS).for_each(estimate),
         }
-        let (global, caustic) = (global.sites.len(), Grown::new(caustic)?);
-        Ok(Photons { irradiance, caustic, global, seconds: start.elapsed().as_secs_f64() })
+        let caustic = Grown::new(caustic)?;
+        let (global, found) = (global.sites.len(), caustic.sites.len());
+        let shot = Shot { global, caustic: found, seconds: start.elapsed().as_secs_f64() };
+        Ok(Photons { irradiance, caustic, shot })
     }
 
     /// The maps, borrowed and checked.
@@ -90,9 +100,9 @@ impl Photons {
         Ok(Maps { irradiance: self.irradiance.tree()?, caustic: self.caustic.tree()? })
     }
 
-    /// Photons in the caustic map.
-    pub fn caustic(&self) -> usize {
-        self.caustic.sites.len()
+    /// What was shot.
+    pub fn shot(&self) -> Shot {
+        self.shot
     }
 }
 

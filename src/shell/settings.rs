@@ -26,6 +26,69 @@ pub const DEFAULT_SPP: u32 = 64;
 pub const DEFAULT_DEPTH: u32 = 8;
 /// Deepest paths.
 pub const MAX_DEPTH: u32 = 1024;
+/// Light samples of direct lighting where nobody says.
+pub const DEFAULT_LIGHT_SAMPLES: u32 = 8;
+/// Most light or bsdf samples of direct lighting.
+pub const MAX_LIGHT_SAMPLES: u32 = 1024;
+/// Photon paths where nobody says.
+pub const DEFAULT_PHOTONS: u32 = 200_000;
+/// Most photon paths: they take about 300 bytes each.
+pub const MAX_PHOTONS: u32 = 20_000_000;
+
+/// How light is followed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Integrator {
+    /// Path tracing: all light, with one ray to a light at each bounce.
+    Path,
+    /// Direct lighting: light that reaches a rough surface straight from a lamp, seen directly or through mirrors
+    /// and glass.
+    Direct {
+        /// Points on lights that each pixel sample aims at, at least 1.
+        light_samples: u32,
+        /// Directions that each pixel sample draws from the scattering function, at least 1.
+        bsdf_samples: u32,
+    },
+    /// Photon mapping: all light, what comes after the first bounce from maps that are shot once a frame.
+    Gather {
+        /// Photon paths of the global map, and about the number of photons in the caustic map.
+        photons: u32,
+        /// Seed of the maps: renders that differ in the sampler's seed alone share them.
+        photon_seed: u32,
+    },
+}
+
+impl Integrator {
+    /// Its name and its own settings, as the command line spells them.
+    fn list(self) -> Map<String, Value> {
+        let list = match self {
+            Integrator::Path => json!({ "integrator": self.name() }),
+            Integrator::Direct { light_samples, bsdf_samples } => {
+                json!({ "integrator": self.name(), "light_samples": light_samples, "bsdf_samples": bsdf_samples })
+            }
+            Integrator::Gather { photons, photon_seed } => {
+                json!({ "integrator": self.name(), "photons": photons, "photon_seed": photon_seed })
+            }
+        };
+        object(list)
+    }
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Integrator::Path => "path",
+            Integrator::Direct { .. } => "direct",
+            Integrator::Gather { .. } => "gather",
+        }
+    }
+
+    /// What the picture depends on that it converges to as samples grow.
+    pub fn limit(self) -> String {
+        match self {
+            Integrator::Path | Integrator::Direct { .. } => self.name().into(),
+            Integrator::Gather { photons, photon_seed } => format!("gather {photons} {photon_seed}"),
+        }
+    }
+}
 
 /// Where samples go.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -104,6 +167,8 @@ pub struct Settings {
     pub method: Method,
     /// The core's settings, size and seed among them.
     pub sampler: sampler::Settings,
+    /// How light is followed.
+    pub integrator: Integrator,
     /// Longest path in segments, counted from the eye.
     pub max_depth: u32,
     /// The camera.
@@ -120,6 +185,7 @@ impl Settings {
             iterations: method.default_iterations(spp),
             method,
             sampler: sampler::Settings { cd_per_unit: scene.cd_per_unit, ..method.sampler(width, height) },
+            integrator: Integrator::Path,
             max_depth: scene.max_depth.unwrap_or(DEFAULT_DEPTH),
             view: scene.view,
         }
@@ -170,7 +236,6 @@ impl Settings {
             "sequence": word(core.sequence),
             "balance_radius": core.balance_radius,
             "cd_per_unit": short(core.cd_per_unit),
-            "integrator": "path",
             "max_depth": self.max_depth,
             "width": core.width,
             "height": core.height,
@@ -181,8 +246,15 @@ impl Settings {
             "up": view.up.map(short),
             "fov": short(view.fov),
         });
-        if let Value::Object(list) = list { list } else { Map::new() }
+        let mut list = object(list);
+        list.extend(self.integrator.list());
+        list
     }
+}
+
+/// The names and values of a JSON object.
+fn object(value: Value) -> Map<String, Value> {
+    if let Value::Object(list) = value { list } else { Map::new() }
 }
 
 /// The name of an option of the core, as the command line writes it.
@@ -204,7 +276,15 @@ mod tests {
     fn settings(method: Method, spp: u32) -> Settings {
         let view = View { from: [0.0; 3], at: [0.0, 0.0, -1.0], up: [0.0, 1.0, 0.0], fov: 40.0 };
         let iterations = method.default_iterations(spp);
-        Settings { spp, iterations, method, sampler: method.sampler(5, 2), max_depth: 8, view }
+        Settings {
+            spp,
+            iterations,
+            method,
+            sampler: method.sampler(5, 2),
+            integrator: Integrator::Path,
+            max_depth: 8,
+            view,
+        }
     }
 
     fn schedule(method: Method, spp: u32) -> Vec<u64> {

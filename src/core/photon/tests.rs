@@ -88,7 +88,8 @@ proptest! {
 
 #[test]
 fn records_stay_the_same_and_order_is_reproducible() {
-    let photon = |i: u32| Photon { position: [(i * 7 % 100) as f32, (i % 13) as f32, 0.0], ..Photon::default() };
+    let photon =
+        |i: u32| Photon { position: [(i * 7 % 100) as f32, (i % 13) as f32, 0.0], ..Photon::default() };
     let mut a: Vec<Photon> = (0..1000).map(photon).collect();
     let mut b = a.clone();
     assert_eq!(tree_memory(&mut a), tree_memory(&mut b));

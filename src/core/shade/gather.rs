@@ -19,6 +19,7 @@
 //! number averaged over) grow, the error goes away; as samples grow, it does not. The same map serves all samples,
 //! so its noise does not average out and no sampler sees it.
 
+use super::direct::arrive;
 use super::hit::SurfacePoints;
 use super::path::{Frame, PathTracer, SETS, Traffic, scatter_specular, survivors};
 use super::queue::{Packet, Paths};
@@ -80,15 +81,7 @@ impl<'a> Gather<'a> {
 
     /// Takes one packet through one segment.
     fn bounce(&mut self, paths: &Paths, depth: u32, radiance: &mut [Rgb8]) {
-        let rays = paths.rays();
-        self.paths.traffic.packets += 1;
-        self.paths.traffic.rays += u64::from(paths.lanes);
-        let hits = self.paths.tracer.closest(&rays);
-        if !hits.any() {
-            return;
-        }
-        let mut surface = SurfacePoints::at(self.paths.tracer.scene(), &rays, &hits);
-        self.paths.add_emission(paths, &surface, hits.t, radiance);
+        let Some(mut surface) = arrive(&mut self.paths, paths, radiance) else { return };
         if depth >= self.paths.max_depth {
             return;
         }
@@ -98,7 +91,7 @@ impl<'a> Gather<'a> {
         // The eye's own segments come with infinite density, gather rays do not.
         let gathering = paths.density.simd_lt(f32x8::splat(f32::INFINITY));
         if (rough & gathering).any() {
-            self.look_up(paths, &mut surface, rough & gathering, hits.t, radiance);
+            self.look_up(paths, &mut surface, rough & gathering, radiance);
             rough &= reflectance(&surface).simd_gt(f32x8::ZERO);
         }
         if rough.any() {
@@ -118,18 +111,11 @@ impl<'a> Gather<'a> {
     }
 
     /// Adds the light that `surface` reflects diffusely, where the map knows it, and takes the diffuse part away.
-    fn look_up(
-        &self,
-        paths: &Paths,
-        surface: &mut SurfacePoints,
-        lanes: f32x8,
-        t: f32x8,
-        radiance: &mut [Rgb8],
-    ) {
+    fn look_up(&self, paths: &Paths, surface: &mut SurfacePoints, lanes: f32x8, radiance: &mut [Rgb8]) {
         let map = &self.maps.irradiance;
         let radius = LOOK_UP_REACH * map.spacing();
         let points = Points::new(surface);
-        let t = t.to_array();
+        let length = (surface.position - paths.origin).length().to_array();
         let (mut value, mut known) = ([[0.0f32; 8]; 3], [0.0f32; 8]);
         let mut wanted = (lanes & surface.diffuse.max_component().simd_gt(f32x8::ZERO)).to_bitmask();
         while wanted != 0 {
@@ -137,7 +123,7 @@ impl<'a> Gather<'a> {
             wanted &= wanted - 1;
             let Some((index, distance2)) = map.nearest(&points.query(lane, radius)) else { continue };
             let point = &map.sites()[index];
-            if distance2 < point.radius * point.radius && t[lane] > point.radius {
+            if distance2 < point.radius * point.radius && length[lane] > point.radius {
                 known[lane] = 1.0;
                 for (row, irradiance) in value.iter_mut().zip(point.value) {
                     row[lane] = irradiance * FRAC_1_PI;
@@ -152,13 +138,7 @@ impl<'a> Gather<'a> {
     }
 
     /// Adds the light of the caustic map in the lanes of `rough`.
-    fn add_caustics(
-        &mut self,
-        paths: &Paths,
-        surface: &SurfacePoints,
-        rough: f32x8,
-        radiance: &mut [Rgb8],
-    ) {
+    fn add_caustics(&mut self, paths: &Paths, surface: &SurfacePoints, rough: f32x8, radiance: &mut [Rgb8]) {
         let map = self.maps.caustic;
         if map.sites().is_empty() {
             return;

@@ -4,9 +4,10 @@
 //! * [`light`] – picking a point on an emitter;
 //! * `rough`, `specular` – the scattering functions;
 //! * `queue`, `shadow` – packets of paths and of shadow rays, kept full;
-//! * [`path`] – the path tracer;
+//! * [`path`] – the path tracer; [`direct`] – direct lighting alone;
 //! * [`shoot`], [`gather`] – photons from the lights, and the integrator that looks them up.
 
+pub mod direct;
 mod fetch;
 pub mod gather;
 mod hit;

@@ -135,7 +135,13 @@ impl<'a> PathTracer<'a> {
     }
 
     /// Adds what the surface emits towards the path, weighted against aiming at it.
-    pub(super) fn add_emission(&self, paths: &Paths, surface: &SurfacePoints, t: f32x8, radiance: &mut [Rgb8]) {
+    pub(super) fn add_emission(
+        &self,
+        paths: &Paths,
+        surface: &SurfacePoints,
+        t: f32x8,
+        radiance: &mut [Rgb8],
+    ) {
         let front = surface.cosine.simd_gt(f32x8::ZERO);
         let lit = surface.hit & front & surface.emission.max_component().simd_gt(f32x8::ZERO);
         if !lit.any() {
@@ -160,37 +166,40 @@ impl<'a> PathTracer<'a> {
         let frame = Frame::new(surface.normal);
         let bsdf = Rough::new(surface, frame.to_local(-next.direction));
         if !self.tracer.scene().data().lights.is_empty() {
-            let shadow = self.aim(next, surface, &frame, &bsdf, depth);
-            let mut wanted = (rough & shadow.value.max_component().simd_gt(f32x8::ZERO)).to_bitmask();
-            while wanted != 0 {
-                wanted = self.shadows.fill(&shadow, wanted);
-                if self.shadows.lanes() == 8 {
-                    self.trace_shadows(radiance);
-                }
-            }
+            let point = sobol::point(next.index, next.key, SETS * depth - 2);
+            let shadow = self.aim(next, surface, &frame, &bsdf, point, f32x8::ONE);
+            self.queue_shadows(&shadow, rough, radiance);
         }
-        let (u, v) = sobol::point(next.index, next.key, SETS * depth - 1);
-        let part = || sobol::point(next.index, next.key, SETS * depth).0;
-        let incoming = bsdf.sample(u, v, part);
-        let (value, density) = bsdf.evaluate(incoming);
-        let weight = value * (f32x8::ONE / density);
-        let none = Vec3x8::default();
-        let throughput = Vec3x8::select(density.simd_gt(f32x8::ZERO), next.throughput.scaled(weight), none);
-        next.throughput = Vec3x8::select(rough, throughput, next.throughput);
-        next.direction = Vec3x8::select(rough, frame.to_world(incoming), next.direction);
-        next.density = rough.select(density, next.density);
+        let point = sobol::point(next.index, next.key, SETS * depth - 1);
+        let (index, key) = (next.index, next.key);
+        let part = || sobol::point(index, key, SETS * depth).0;
+        scatter(next, &frame, &bsdf, rough, point, part);
     }
 
-    /// Shadow rays towards points on the lights, with what they carry if nothing is in between.
-    fn aim(
+    /// Queues the shadow rays in the lanes of `rough` that carry anything.
+    #[inline(always)]
+    pub(super) fn queue_shadows(&mut self, shadow: &ShadowRays, rough: f32x8, radiance: &mut [Rgb8]) {
+        let mut wanted = (rough & shadow.value.max_component().simd_gt(f32x8::ZERO)).to_bitmask();
+        while wanted != 0 {
+            wanted = self.shadows.fill(shadow, wanted);
+            if self.shadows.lanes() == 8 {
+                self.trace_shadows(radiance);
+            }
+        }
+    }
+
+    /// Shadow rays towards points on the lights, with what they carry if nothing is in between. `share` is the
+    /// number of scattered directions for each point on a light.
+    #[inline(always)]
+    pub(super) fn aim(
         &self,
         paths: &Paths,
         surface: &SurfacePoints,
         frame: &Frame,
         bsdf: &Rough,
-        depth: u32,
+        (u, v): (f32x8, f32x8),
+        share: f32x8,
     ) -> ShadowRays {
-        let (u, v) = sobol::point(paths.index, paths.key, SETS * depth - 2);
         let point = light::sample(self.tracer.scene(), u, v);
         // What arrives is reckoned from the surface itself; only the ray starts off it.
         let toward = point.position - surface.position;
@@ -199,7 +208,7 @@ impl<'a> PathTracer<'a> {
         let cosine = -direction.dot(point.normal);
         let (value, scattered) = bsdf.evaluate(frame.to_local(direction));
         let density = point.density * distance * distance / cosine;
-        let weight = power_heuristic(density, scattered) / density;
+        let weight = power_heuristic(density, scattered * share) / density;
         let value = paths.throughput.scaled(value).scaled(point.radiance) * weight;
         let lit = cosine.simd_gt(f32x8::ZERO);
         let origin = surface.leave(toward);
@@ -252,6 +261,26 @@ impl Integrand for PathTracer<'_> {
             }
         }
     }
+}
+
+/// Replaces direction and throughput in the lanes of `rough` by a sample of the scattering function.
+#[inline(always)]
+pub(super) fn scatter(
+    next: &mut Paths,
+    frame: &Frame,
+    bsdf: &Rough,
+    rough: f32x8,
+    (u, v): (f32x8, f32x8),
+    part: impl FnOnce() -> f32x8,
+) {
+    let incoming = bsdf.sample(u, v, part);
+    let (value, density) = bsdf.evaluate(incoming);
+    let weight = value * (f32x8::ONE / density);
+    let none = Vec3x8::default();
+    let throughput = Vec3x8::select(density.simd_gt(f32x8::ZERO), next.throughput.scaled(weight), none);
+    next.throughput = Vec3x8::select(rough, throughput, next.throughput);
+    next.direction = Vec3x8::select(rough, frame.to_world(incoming), next.direction);
+    next.density = rough.select(density, next.density);
 }
 
 /// Replaces direction and throughput in the lanes that hit a mirror or a dielectric.

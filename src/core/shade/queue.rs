@@ -101,8 +101,41 @@ pub(super) struct Queue<'a> {
     len: usize,
     /// Full packets of the next.
     written: usize,
-    /// The open packets, by octant.
-    open: [Packet; 8],
+    open: Open,
+}
+
+/// Packets that are being filled, one for each octant of directions.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Open {
+    packets: [Packet; 8],
+}
+
+impl Open {
+    /// Adds the lanes of `paths` whose bit is set in `alive`; hands packets that fill up to `full`.
+    #[inline]
+    pub fn push(&mut self, paths: &Paths, mut alive: u32, mut full: impl FnMut(&Packet)) {
+        let from = Packet::pack(paths);
+        let octant = octants(paths.direction);
+        while alive != 0 {
+            let lane = alive.trailing_zeros() as usize & 7;
+            alive &= alive - 1;
+            let open = &mut self.packets[octant[lane] as usize & 7];
+            open.take_lane(open.lanes as usize & 7, &from, lane);
+            open.lanes += 1;
+            if open.lanes == 8 {
+                full(open);
+                open.lanes = 0;
+            }
+        }
+    }
+
+    /// Hands what is left to `part`, packet by packet.
+    pub fn drain(&mut self, mut part: impl FnMut(&Packet)) {
+        for open in self.packets.iter_mut().filter(|open| open.lanes > 0) {
+            part(open);
+            open.lanes = 0;
+        }
+    }
 }
 
 /// Packets the queue needs beyond those that start: the open ones.
@@ -110,7 +143,7 @@ pub(super) const SLACK: usize = 8;
 
 impl<'a> Queue<'a> {
     pub fn new(packets: &'a mut [Packet]) -> Self {
-        Queue { packets, len: 0, written: 0, open: [Packet::default(); 8] }
+        Queue { packets, len: 0, written: 0, open: Open::default() }
     }
 
     /// How many packets may start.
@@ -134,40 +167,29 @@ impl<'a> Queue<'a> {
 
     /// Adds the lanes of `paths` whose bit is set in `alive` to the next bounce.
     #[inline]
-    pub fn push(&mut self, paths: &Paths, mut alive: u32) {
-        let from = Packet::pack(paths);
-        let octant = octants(paths.direction);
-        while alive != 0 {
-            let lane = alive.trailing_zeros() as usize & 7;
-            alive &= alive - 1;
-            let open = &mut self.open[octant[lane] as usize & 7];
-            open.take_lane(open.lanes as usize & 7, &from, lane);
-            open.lanes += 1;
-            if open.lanes == 8 {
-                self.packets[self.written] = *open;
-                self.written += 1;
-                open.lanes = 0;
-            }
-        }
+    pub fn push(&mut self, paths: &Paths, alive: u32) {
+        let Queue { packets, written, open, .. } = self;
+        open.push(paths, alive, |packet| {
+            packets[*written] = *packet;
+            *written += 1;
+        });
     }
 
     /// Closes the bounce: what was pushed becomes current.
     pub fn turn(&mut self) {
-        for open in &mut self.open {
-            if open.lanes > 0 {
-                self.packets[self.written] = *open;
-                self.written += 1;
-                open.lanes = 0;
-            }
-        }
-        self.len = core::mem::take(&mut self.written);
+        let Queue { packets, written, open, .. } = self;
+        open.drain(|packet| {
+            packets[*written] = *packet;
+            *written += 1;
+        });
+        self.len = core::mem::take(written);
     }
 
     /// Forgets everything.
     pub fn clear(&mut self) {
         self.len = 0;
         self.written = 0;
-        self.open.iter_mut().for_each(|p| p.lanes = 0);
+        self.open.drain(|_| ());
     }
 }
 

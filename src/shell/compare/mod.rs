@@ -44,7 +44,7 @@ pub struct Plan {
     pub spp: Vec<u32>,
     /// Renders of each method at each sample count.
     pub runs: u32,
-    /// Size, depth, camera and first seed of all renders; the rest is the variants' own.
+    /// Size, integrator, depth, camera and first seed of all renders; the rest is the variants' own.
     pub base: Settings,
     /// Threads, or all there are.
     pub threads: Option<usize>,

@@ -1,7 +1,7 @@
 //! The picture that all others are measured by: rendered once, kept beside the report.
 //!
 //! The file `reference.exr` names, as attributes, its samples a pixel and a hash (BLAKE3) of everything its light
-//! depends on: geometry, materials, textures as loaded, camera, size, depth, and this program's version. It is used
+//! depends on: geometry, materials, textures as loaded, camera, size, integrator, depth, and this program's version. It is used
 //! again only if both are those asked for.
 
 use crate::error::Error;
@@ -20,7 +20,7 @@ const SEED: u32 = u32::MAX;
 /// Attribute with the hash.
 const HASH: &str = "scene_hash";
 /// What the hash begins with, so that another version or another meaning of its parts gives another hash.
-const FORMAT: &str = concat!("pmcip ", env!("CARGO_PKG_VERSION"), " reference 1");
+const FORMAT: &str = concat!("pmcip ", env!("CARGO_PKG_VERSION"), " reference 2");
 
 /// Where the reference came from.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -101,7 +101,7 @@ impl Reference {
         }
         let picture = frame_io::read_exr(&file).map_err(|error| error.to_string())?;
         if picture.attributes.get(HASH) != Some(&fingerprint(scene, settings)) {
-            return Err(format!("{} shows another scene, size, depth or camera", file.display()));
+            return Err(format!("{} shows another scene, size, integrator, depth or camera", file.display()));
         }
         let known = picture.attributes.get("spp").map_or("unknown", String::as_str);
         if known != spp.to_string() {
@@ -171,5 +171,6 @@ pub fn fingerprint(scene: &LoadedScene, settings: &Settings) -> String {
     add(&scene.cd_per_unit.to_le_bytes());
     let numbers = [settings.sampler.width, settings.sampler.height, settings.max_depth];
     add(bytemuck::cast_slice(&numbers));
+    add(settings.integrator.limit().as_bytes());
     hash.finalize().to_hex().to_string()
 }

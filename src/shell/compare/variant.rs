@@ -31,11 +31,12 @@ impl From<Method> for Variant {
 }
 
 impl Variant {
-    /// The settings of a render that has size, depth, camera and seed of `base`.
+    /// The settings of a render that has size, integrator, depth, camera and seed of `base`.
     pub fn settings(&self, scene: &LoadedScene, base: &Settings, spp: u32) -> Settings {
         let size = (base.sampler.width, base.sampler.height);
         let mut settings = Settings::new(scene, self.method, Some(spp), Some(size));
         (settings.max_depth, settings.view) = (base.max_depth, base.view);
+        settings.integrator = base.integrator;
         settings.sampler.seed = base.sampler.seed;
         settings.sampler.gamma = self.gamma.unwrap_or(settings.sampler.gamma);
         if let Some(estimate) = self.estimate {

@@ -1,0 +1,180 @@
+//! Direct lighting over packets: what lamps send straight to the first rough surface.
+//!
+//! A sample follows mirrors and glass to the first rough surface. There it aims at a number of points on lights and
+//! draws a number of directions from the scattering function; both kinds are weighted by the power heuristic with
+//! their numbers (Veach 1997, section 9.2: n²p² over the sum of all n²p²). Light that the surface gets from other
+//! surfaces, or from lamps through mirrors and glass, is left out: that is what distinguishes it from
+//! [`PathTracer`]. At depth 2 the two have the same expectation.
+//!
+//! Depth counts as for the path tracer: with a depth of D the rough surface is met at the latest by segment D − 1.
+//! There is no Russian roulette.
+//!
+//! The points of one pixel sample are consecutive points of its Sobol sets, and those of its successor follow: all
+//! points of a pixel are one well-spread sequence, which repeats after 2³² of them.
+
+use super::hit::SurfacePoints;
+use super::path::{Frame, PathTracer, SETS, Traffic, scatter, scatter_specular};
+use super::queue::{Open, Packet, Paths};
+use super::rough::Rough;
+use crate::batch::{Batch8, Integrand, Rgb8};
+use crate::camera::Camera;
+use crate::scene::{Scattering, Scene};
+use crate::sobol;
+use wide::{f32x8, u32x8};
+
+/// How often each pixel sample looks for light at the rough surface it meets. Zeros count as one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Samples {
+    /// Points on lights.
+    pub light: u32,
+    /// Directions drawn from the scattering function.
+    pub bsdf: u32,
+}
+
+/// The direct lighting integrator. Implements [`Integrand`].
+pub struct DirectLighting<'a> {
+    /// Follows the specular chain and traces shadow rays.
+    paths: PathTracer<'a>,
+    /// Rays along sampled directions, waiting for a packet to fill up.
+    stray: Open,
+    samples: Samples,
+}
+
+impl<'a> DirectLighting<'a> {
+    /// Direct lighting of `scene` seen through `camera`, after chains of mirrors and glass of up to `max_depth`
+    /// segments, those to the rough surface and to the light included.
+    ///
+    /// `memory` is scratch: [`PathTracer::required`] says how much, and what happens with less.
+    pub fn new(
+        scene: Scene<'a>,
+        camera: Camera,
+        max_depth: u32,
+        samples: Samples,
+        memory: &'a mut [Packet],
+    ) -> Self {
+        let samples = Samples { light: samples.light.max(1), bsdf: samples.bsdf.max(1) };
+        let paths = PathTracer::new(scene, camera, max_depth, memory);
+        DirectLighting { paths, stray: Open::default(), samples }
+    }
+
+    /// What has been traced so far.
+    pub fn traffic(&self) -> Traffic {
+        self.paths.traffic()
+    }
+
+    /// Takes one packet through one segment of its chain.
+    fn advance(&mut self, paths: &Paths, depth: u32, radiance: &mut [Rgb8]) {
+        let Some(surface) = arrive(&mut self.paths, paths, radiance) else { return };
+        if depth >= self.paths.max_depth {
+            return;
+        }
+        let rough = surface.scatters(Scattering::Rough);
+        if rough.any() && !self.paths.tracer.scene().data().lights.is_empty() {
+            self.light(paths, &surface, rough, depth, radiance);
+        }
+        let specular = surface.hit & !rough;
+        if specular.any() {
+            let mut next = *paths;
+            let (choice, _) = sobol::point(paths.index, paths.key, SETS * depth);
+            scatter_specular(&mut next, &surface, choice);
+            let alive = specular & next.throughput.max_component().simd_gt(f32x8::ZERO);
+            next.origin = surface.leave(next.direction);
+            self.paths.queue.push(&next, alive.to_bitmask());
+        }
+    }
+
+    /// Samples the light that arrives in the lanes of `rough`, in both ways.
+    fn light(
+        &mut self,
+        paths: &Paths,
+        surface: &SurfacePoints,
+        rough: f32x8,
+        depth: u32,
+        radiance: &mut [Rgb8],
+    ) {
+        let frame = Frame::new(surface.normal);
+        let bsdf = Rough::new(surface, frame.to_local(-paths.direction));
+        let Samples { light, bsdf: scattered } = self.samples;
+        let share = f32x8::splat(scattered as f32 / light as f32);
+        let mut part = *paths;
+        part.throughput = paths.throughput * f32x8::splat(1.0 / light as f32);
+        for number in 0..light {
+            let point = sobol::point(nth(paths, light, number), paths.key, SETS * depth - 2);
+            let shadow = self.paths.aim(&part, surface, &frame, &bsdf, point, share);
+            self.paths.queue_shadows(&shadow, rough, radiance);
+        }
+        part.throughput = paths.throughput * f32x8::splat(1.0 / scattered as f32);
+        for number in 0..scattered {
+            let index = nth(paths, scattered, number);
+            let point = sobol::point(index, paths.key, SETS * depth - 1);
+            let mut next = part;
+            scatter(&mut next, &frame, &bsdf, rough, point, || {
+                sobol::point(index, paths.key, SETS * depth).0
+            });
+            next.density = next.density * share;
+            next.origin = surface.leave(next.direction);
+            let alive = rough & next.throughput.max_component().simd_gt(f32x8::ZERO);
+            let tracer = &mut self.paths;
+            self.stray
+                .push(&next, alive.to_bitmask(), |packet| _ = arrive(tracer, &packet.unpack(), radiance));
+        }
+    }
+}
+
+/// Number in a Sobol set of the `number`-th of `count` points that each sample takes from it.
+#[inline(always)]
+fn nth(paths: &Paths, count: u32, number: u32) -> u32x8 {
+    paths.index * u32x8::splat(count) + u32x8::splat(number)
+}
+
+/// Traces a packet and adds what the surfaces that it meets emit; returns them, if there are any.
+#[inline(always)]
+pub(super) fn arrive(
+    tracer: &mut PathTracer<'_>,
+    paths: &Paths,
+    radiance: &mut [Rgb8],
+) -> Option<SurfacePoints> {
+    let rays = paths.rays();
+    tracer.traffic.packets += 1;
+    tracer.traffic.rays += u64::from(paths.lanes);
+    let hits = tracer.tracer.closest(&rays);
+    if !hits.any() {
+        return None;
+    }
+    let surface = SurfacePoints::at(tracer.tracer.scene(), &rays, &hits);
+    tracer.add_emission(paths, &surface, hits.t, radiance);
+    Some(surface)
+}
+
+impl Integrand for DirectLighting<'_> {
+    fn radiance(&mut self, batch: &Batch8) -> Rgb8 {
+        let mut out = [Rgb8::default()];
+        self.stream(core::slice::from_ref(batch), &mut out);
+        out[0]
+    }
+
+    fn stream(&mut self, batches: &[Batch8], radiance: &mut [Rgb8]) {
+        let capacity = self.paths.queue.capacity();
+        if capacity == 0 {
+            let nan = f32x8::splat(f32::NAN);
+            radiance.fill(Rgb8 { r: nan, g: nan, b: nan });
+            return;
+        }
+        for (batches, radiance) in batches.chunks(capacity).zip(radiance.chunks_mut(capacity)) {
+            radiance.fill(Rgb8::default());
+            self.paths.start(batches);
+            for depth in 1..=self.paths.max_depth {
+                for i in 0..self.paths.queue.len() {
+                    let paths = self.paths.queue.packet(i);
+                    self.advance(&paths, depth, radiance);
+                }
+                self.paths.queue.turn();
+            }
+            let DirectLighting { paths, stray, .. } = self;
+            stray.drain(|packet| _ = arrive(paths, &packet.unpack(), radiance));
+            if paths.shadows.lanes() > 0 {
+                paths.trace_shadows(radiance);
+            }
+        }
+    }
+}
