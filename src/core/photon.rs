@@ -208,6 +208,10 @@ const FLATTENED: f32 = 8.0;
 /// Levels of splits: more records than indices cannot be.
 const STACK: usize = 32;
 
+/// Leaves a query visits at most. Where records lie close whose normals all differ from the query's, it would
+/// search the whole tree for nothing.
+const PATIENCE: usize = 256;
+
 /// A tree that has been checked, borrowed.
 #[derive(Debug)]
 pub struct Tree<'a, T> {
@@ -267,7 +271,8 @@ impl<'a, T: Site> Tree<'a, T> {
         self.spacing
     }
 
-    /// Index and squared distance of the nearest record that goes with the query.
+    /// Index and squared distance of the nearest record that goes with the query; of one that is near if the
+    /// query ran out of patience (256 leaves), or none.
     pub fn nearest(&self, query: &Query) -> Option<(usize, f32)> {
         let ask = Ask::new(query);
         let mut best = None;
@@ -284,7 +289,8 @@ impl<'a, T: Site> Tree<'a, T> {
         best
     }
 
-    /// Fills `found` with the records nearest to the query.
+    /// Fills `found` with the records nearest to the query, all up to [`Neighbours::radius2`]. That is less than the
+    /// query's radius if it ran out of patience (256 leaves).
     pub fn k_nearest<const K: usize>(&self, query: &Query, found: &mut Neighbours<K>) {
         let ask = Ask::new(query);
         found.clear();
@@ -299,11 +305,11 @@ impl<'a, T: Site> Tree<'a, T> {
             }
             limit
         });
-        found.radius2 = end;
+        found.end(end);
     }
 
     /// Visits leaves, near ones first, while they can hold records within the limit (squared), which `visit`
-    /// returns anew. Returns the last limit.
+    /// returns anew. Returns the squared distance up to which no leaf was left out.
     #[inline(always)]
     fn walk(&self, query: &Query, mut visit: impl FnMut(&Leaf, f32) -> f32) -> f32 {
         let inner = self.splits.len();
@@ -311,7 +317,7 @@ impl<'a, T: Site> Tree<'a, T> {
         let mut top = 0;
         let mut limit = query.radius * query.radius;
         let mut node = 0;
-        loop {
+        for _ in 0..PATIENCE {
             while let Some(split) = self.splits.get(node) {
                 let beyond = query.position[split.axis as usize] - split.at;
                 let right = usize::from(beyond >= 0.0);
@@ -332,6 +338,8 @@ impl<'a, T: Site> Tree<'a, T> {
                 }
             }
         }
+        // The subtree taken off last was not visited either.
+        waiting[..(top + 1).min(STACK)].iter().fold(limit, |least, entry| least.min(entry.1))
     }
 }
 
@@ -391,9 +399,23 @@ impl<const K: usize> Neighbours<K> {
         &self.entries[..self.len]
     }
 
-    /// Squared distance of the farthest if K were found, else of the query's radius.
+    /// Squared distance up to which all records were found: that of the farthest if there are K, else of the query's
+    /// radius, unless patience ended before.
     pub fn radius2(&self) -> f32 {
         self.radius2
+    }
+
+    /// Ends a search that was complete up to `radius2`.
+    fn end(&mut self, radius2: f32) {
+        self.radius2 = radius2;
+        let mut kept = 0;
+        for i in 0..self.len {
+            if self.entries[i].0 <= radius2 {
+                self.entries[kept] = self.entries[i];
+                kept += 1;
+            }
+        }
+        self.len = kept;
     }
 
     /// Takes in a record nearer than `limit`; returns the new limit.

@@ -114,6 +114,26 @@ fn what_is_no_tree_is_refused() {
     assert_eq!(Tree::new(&sites, &splits, &packets).err(), Some(Error::Split(1)));
 }
 
+/// 40,000 photons of a wall surround a few of the floor: the search ends early, and what it says is still true.
+#[test]
+fn patience_ends_without_a_wrong_answer() {
+    let coordinate = |i: u32| (crate::sobol::hash(i) >> 8) as f32 / (1 << 24) as f32;
+    let photon = |i: u32| Photon {
+        position: [0, 1, 2].map(|axis| coordinate(3 * i + axis)),
+        normal: if i % 100 == 0 { [0.0, 0.0, 1.0] } else { [1.0, 0.0, 0.0] },
+        ..Photon::default()
+    };
+    let mut sites: Vec<Photon> = (0..40_000).map(photon).collect();
+    let (splits, packets) = tree_memory(&mut sites);
+    let tree = Tree::new(&sites, &splits, &packets).unwrap();
+    let mut found = Neighbours::<64>::default();
+    let query = Query { position: [0.4, 0.5, 0.6], normal: [0.0, 0.0, 1.0], radius: 0.9 };
+    tree.k_nearest(&query, &mut found);
+    assert!(found.radius2() < 0.2, "more was searched than 256 leaves");
+    let expected = plain(&sites, &Query { radius: found.radius2().sqrt(), ..query });
+    assert_eq!(found.entries().len(), expected.len());
+}
+
 #[test]
 fn an_empty_tree_answers() {
     let (splits, packets) = tree_memory(&mut []);

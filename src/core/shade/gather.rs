@@ -21,10 +21,11 @@
 
 use super::direct::arrive;
 use super::hit::SurfacePoints;
-use super::path::{Frame, PathTracer, SETS, Traffic, scatter_specular, survivors};
+use super::path::{Frame, PathTracer, ROULETTE_DEPTH, SETS, Traffic, scatter_specular, survivors};
 use super::queue::{Packet, Paths};
 use super::rough::Rough;
 use super::shadow::accumulate;
+use super::shoot::survive;
 use crate::batch::{Batch8, Integrand, Rgb8};
 use crate::camera::Camera;
 use crate::photon::{Irradiance, Neighbours, Photon, Query, Tree};
@@ -90,13 +91,15 @@ impl<'a> Gather<'a> {
         let specular = surface.hit & !rough;
         // The eye's own segments come with infinite density, gather rays do not.
         let gathering = paths.density.simd_lt(f32x8::splat(f32::INFINITY));
+        let mut known = f32x8::ZERO;
         if (rough & gathering).any() {
-            self.look_up(paths, &mut surface, rough & gathering, radiance);
+            known = self.look_up(paths, &mut surface, rough & gathering, radiance);
             rough &= reflectance(&surface).simd_gt(f32x8::ZERO);
         }
         if rough.any() {
             self.add_caustics(paths, &surface, rough, radiance);
             self.paths.scatter_rough(&mut next, &surface, rough, depth, radiance);
+            rough &= !known | thin_out(&mut next, paths, rough & known, depth);
         }
         if specular.any() {
             let (choice, _) = sobol::point(paths.index, paths.key, SETS * depth);
@@ -111,7 +114,14 @@ impl<'a> Gather<'a> {
     }
 
     /// Adds the light that `surface` reflects diffusely, where the map knows it, and takes the diffuse part away.
-    fn look_up(&self, paths: &Paths, surface: &mut SurfacePoints, lanes: f32x8, radiance: &mut [Rgb8]) {
+    /// Returns the lanes in which it did.
+    fn look_up(
+        &self,
+        paths: &Paths,
+        surface: &mut SurfacePoints,
+        lanes: f32x8,
+        radiance: &mut [Rgb8],
+    ) -> f32x8 {
         let map = &self.maps.irradiance;
         let radius = LOOK_UP_REACH * map.spacing();
         let points = Points::new(surface);
@@ -135,6 +145,7 @@ impl<'a> Gather<'a> {
         let value = paths.throughput.scaled(surface.diffuse).scaled(value);
         accumulate(radiance, paths.slot, value, known.to_bitmask());
         surface.diffuse = Vec3x8::select(known, Vec3x8::default(), surface.diffuse);
+        known
     }
 
     /// Adds the light of the caustic map in the lanes of `rough`.
@@ -164,6 +175,18 @@ impl<'a> Gather<'a> {
         let value = Vec3x8::new(value[0].into(), value[1].into(), value[2].into());
         accumulate(radiance, paths.slot, paths.throughput.scaled(value), lit);
     }
+}
+
+/// Ends paths in the lanes of `gloss` by chance, where little is left to follow after a look-up, before the roulette
+/// of all paths begins; returns those that go on.
+fn thin_out(next: &mut Paths, before: &Paths, gloss: f32x8, depth: u32) -> f32x8 {
+    if depth >= ROULETTE_DEPTH || !gloss.any() {
+        return gloss;
+    }
+    let mut thinned = *next;
+    let stays = survive(&mut thinned, before, depth);
+    next.throughput = Vec3x8::select(gloss, thinned.throughput, next.throughput);
+    gloss & stays
 }
 
 /// Radiance that one point reflects of the photons `found` around it.

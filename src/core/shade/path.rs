@@ -26,7 +26,7 @@ use wide::{f32x8, u32x8};
 pub use super::queue::Packet;
 
 /// Depth from which on paths may be ended by chance.
-const ROULETTE_DEPTH: u32 = 5;
+pub(super) const ROULETTE_DEPTH: u32 = 5;
 
 /// Largest probability of surviving the roulette.
 const MAX_SURVIVAL: f32 = 0.95;

@@ -275,7 +275,7 @@ fn scatter(next: &mut Paths, surface: &SurfacePoints, rough: f32x8, depth: u32) 
 }
 
 /// Absorbs photons with the probability that keeps the power of the others; returns those that go on.
-fn survive(next: &mut Paths, before: &Paths, depth: u32) -> f32x8 {
+pub(super) fn survive(next: &mut Paths, before: &Paths, depth: u32) -> f32x8 {
     let kept = next.throughput.max_component() / before.throughput.max_component();
     let survival = kept.fast_min(f32x8::ONE);
     let (_, chance) = sobol::point(next.index, next.key, SETS * depth);
