@@ -1,7 +1,8 @@
 //! `Scene::new` refuses what would lead a ray astray, and names it; the light table follows power.
 
 use pmcip_core::scene::{
-    Error, Light, MAX_DEPTH, Material, NO_TEXTURE, Node8, Scene, SceneData, Surface, Texture, Triangle,
+    Error, Light, LightNode8, MAX_DEPTH, Material, NO_TEXTURE, Node8, Scene, SceneData, Surface, Texture,
+    Triangle,
 };
 use pmcip_core::shade::light;
 
@@ -17,6 +18,7 @@ fn checked(change: impl FnOnce(&mut Parts)) -> Result<(), Error> {
         textures: &parts.textures,
         texels: &parts.texels,
         lights: &parts.lights,
+        light_nodes: &parts.light_nodes,
     };
     Scene::new(data).map(|_| ())
 }
@@ -29,6 +31,7 @@ struct Parts {
     textures: Vec<Texture>,
     texels: Vec<[f32; 3]>,
     lights: Vec<Light>,
+    light_nodes: Vec<LightNode8>,
 }
 
 impl Parts {
@@ -40,7 +43,8 @@ impl Parts {
             materials: vec![Material { emission: [1.0; 3], texture: 0, ..Material::default() }],
             textures: vec![Texture { width: 2, height: 1, first: 0 }],
             texels: vec![[1.0; 3]; 2],
-            lights: vec![Light { triangle: 0, cumulative: 1.0 }],
+            lights: vec![Light { triangle: 0, cumulative: 1.0, path: 0 }],
+            light_nodes: vec![],
         }
     }
 }

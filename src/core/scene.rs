@@ -4,7 +4,7 @@
 //! [`SceneData`]. [`Scene::new`] checks every index and the depth of the tree once; after that the hot path
 //! needs no error handling and a fixed stack suffices. Lengths are in scene units, colours linear Rec. 709.
 
-use crate::shade::light;
+use crate::shade::{light, light_tree};
 use bytemuck::{NoUninit, Pod, Zeroable};
 
 /// The value of [`Material::texture`] that means "none".
@@ -90,14 +90,45 @@ pub struct Texture {
     pub first: u32,
 }
 
-/// An emitting triangle and its place in the table that picks one by power.
+/// An emitting triangle, its place in the table that picks one by power, and its place in the light tree.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Light {
     /// Index into [`SceneData::triangles`].
     pub triangle: u32,
     /// Probability that a light before this one, or this one, is picked; 1 for the last.
     pub cumulative: f32,
+    /// Which child to follow in the light tree at each level, three bits a level, the root's lowest. Not used
+    /// without a tree.
+    pub path: u32,
 }
+
+/// Eight groups of lights: a node of the light tree.
+///
+/// A group is bounded by a sphere around its triangles and by a cone around their normals. Children that are there
+/// come first.
+#[repr(C, align(32))]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub struct LightNode8 {
+    /// Centres of the spheres, by axis and child.
+    pub centre: [[f32; 8]; 3],
+    /// Radii of the spheres.
+    pub radius: [f32; 8],
+    /// Unit axes of the cones, by axis and child.
+    pub axis: [[f32; 8]; 3],
+    /// Cosines of the cones' half angles.
+    pub cosine: [f32; 8],
+    /// Shares of the power (luminance times area) of all lights, above 0. 0: the child is not there.
+    pub power: [f32; 8],
+    /// For a group of one light [`LIGHT_LEAF`] plus its index in [`SceneData::lights`]; else the index of the
+    /// group's node, which is above this node's own.
+    pub child: [u32; 8],
+}
+
+/// What tells a single light from a group in [`LightNode8::child`].
+pub const LIGHT_LEAF: u32 = 1 << 31;
+
+/// Levels of nodes a light tree may have: [`Light::path`] has room for no more.
+pub const MAX_LIGHT_DEPTH: u32 = 10;
 
 /// Eight boxes and what is in them: a node of the bounding volume hierarchy, four cache lines.
 #[repr(C, align(64))]
@@ -146,6 +177,9 @@ pub struct SceneData<'a> {
     pub texels: &'a [[f32; 3]],
     /// Emitting triangles, as [`crate::shade::light::build`] makes them.
     pub lights: &'a [Light],
+    /// Tree over the lights, as [`crate::shade::light_tree::build`] makes it; node 0 is the root. Empty: lights are
+    /// picked by power alone.
+    pub light_nodes: &'a [LightNode8],
 }
 
 /// Levels of nodes a hierarchy may have: what the traversal's stack is made for.
@@ -172,6 +206,12 @@ pub enum Error {
     Texture(usize),
     /// The light of this index names no triangle, or the probabilities do not rise to one.
     Light(usize),
+    /// The light of this index is not where its path through the light tree leads, its group does not hold it, or
+    /// its triangle is not above that of the light before.
+    LightPath(usize),
+    /// The node of this index of the light tree has a child that does not exist or comes before it, or a power that
+    /// is not a number from 0 to 1.
+    LightNode(usize),
 }
 
 impl core::fmt::Display for Error {
@@ -183,6 +223,10 @@ impl core::fmt::Display for Error {
             Error::Surface(i) => write!(f, "surface {i} names a material that is not there"),
             Error::Material(i) => write!(f, "material {i} has a value out of range or no such texture"),
             Error::Texture(i) => write!(f, "texture {i} is empty or reaches beyond the texels"),
+            Error::LightPath(i) => write!(f, "the light tree does not lead to light {i} or does not hold it"),
+            Error::LightNode(i) => {
+                write!(f, "node {i} of the light tree has a bad power or a child that is not there")
+            }
             Error::Light(i) => write!(f, "light {i} has no triangle or its probability does not rise to one"),
         }
     }
@@ -211,6 +255,7 @@ impl<'a> Scene<'a> {
         check_each(data.materials, Error::Material, |m| material_is_valid(m, data.textures.len()))?;
         check_each(data.textures, Error::Texture, |t| texture_is_valid(t, data.texels.len()))?;
         check_lights(&data)?;
+        light_tree::check(&data)?;
         let power = light::total_power(&data);
         Ok(Scene { data, inverse_power: if power > 0.0 { (1.0 / power) as f32 } else { 0.0 } })
     }

@@ -1,8 +1,8 @@
 //! Shoots the photon maps of a frame with all the processor's threads.
 //!
 //! Photon paths are shot in parts of fixed size, which any thread may take; what they leave is put together in the
-//! order of the parts, so the maps have the same bits for any number of threads. Memory: about 80 bytes a photon,
-//! of which a path leaves two or three.
+//! order of the parts, so the maps have the same bits for any number of threads. Memory: about 400
+//! bytes a photon path while they are shot, a third of that afterwards.
 
 use crate::error::Error;
 use crate::render::lock;

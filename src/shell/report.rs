@@ -204,6 +204,7 @@ fn bytes(scene: &LoadedScene) -> usize {
         + size_of_val(data.textures)
         + size_of_val(data.texels)
         + size_of_val(data.lights)
+        + size_of_val(data.light_nodes)
 }
 
 /// Lower and upper corner of the box around all triangles.

@@ -32,7 +32,7 @@ pub const DEFAULT_LIGHT_SAMPLES: u32 = 8;
 pub const MAX_LIGHT_SAMPLES: u32 = 1024;
 /// Photon paths where nobody says.
 pub const DEFAULT_PHOTONS: u32 = 200_000;
-/// Most photon paths: they take about 300 bytes each.
+/// Most photon paths: they take about 400 bytes each while they are shot.
 pub const MAX_PHOTONS: u32 = 20_000_000;
 
 /// How light is followed.

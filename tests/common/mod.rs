@@ -5,9 +5,9 @@ use pmcip::scene::bvh;
 use pmcip_core::batch::{Batch8, Integrand, Rgb8};
 use pmcip_core::camera::Camera;
 use pmcip_core::sampler::{Memory, Sampler, Schedule, Settings, Workspace};
-use pmcip_core::scene::{Light, Material, Node8, Scene, SceneData, Surface, Triangle};
-use pmcip_core::shade::light;
+use pmcip_core::scene::{Light, LightNode8, Material, Node8, Scene, SceneData, Surface, Triangle};
 use pmcip_core::shade::path::{Packet, PathTracer, Traffic};
+use pmcip_core::shade::{light, light_tree};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
 
@@ -48,6 +48,7 @@ pub struct Owned {
     pub surfaces: Vec<Surface>,
     pub materials: Vec<Material>,
     pub lights: Vec<Light>,
+    pub light_nodes: Vec<LightNode8>,
 }
 
 impl Owned {
@@ -62,7 +63,12 @@ impl Owned {
         let mut lights = vec![Light::default(); light::count(&surfaces, &materials)];
         let used = light::build(&triangles, &surfaces, &materials, &mut lights);
         lights.truncate(used);
-        Owned { nodes: built.nodes, triangles, surfaces, materials, lights }
+        let mut light_nodes = vec![LightNode8::default(); light_tree::required(used)];
+        let mut order = vec![0; used];
+        let used =
+            light_tree::build(&triangles, &surfaces, &materials, &mut lights, &mut order, &mut light_nodes);
+        light_nodes.truncate(used);
+        Owned { nodes: built.nodes, triangles, surfaces, materials, lights, light_nodes }
     }
 
     pub fn scene(&self) -> Scene<'_> {
@@ -72,6 +78,7 @@ impl Owned {
             surfaces: &self.surfaces,
             materials: &self.materials,
             lights: &self.lights,
+            light_nodes: &self.light_nodes,
             ..SceneData::default()
         })
         .unwrap()
@@ -86,15 +93,15 @@ pub fn inward_box(lower: [f32; 3], upper: [f32; 3]) -> Vec<Triangle> {
     faces.iter().flat_map(|&[a, b, c, d]| [triangle([a, b, c]), triangle([a, c, d])]).collect()
 }
 
-/// Samples of a stream.
+/// Samples that an integrand is handed at once.
 const STREAM: usize = 2048;
 
-/// Memory for a path tracer.
+/// Memory for an integrator that works on a stream.
 pub fn packets() -> Vec<Packet> {
     vec![Packet::default(); PathTracer::required(STREAM)]
 }
 
-/// A path-traced picture made on one thread with the core alone: interleaved RGB, and how full the packets were.
+/// A path traced picture made on one thread with the core alone: interleaved RGB, and how full the packets were.
 pub fn render(
     scene: Scene<'_>,
     camera: Camera,
@@ -104,11 +111,12 @@ pub fn render(
 ) -> (Vec<f32>, Traffic) {
     let mut packets = packets();
     let mut tracer = PathTracer::new(scene, camera, max_depth, &mut packets);
-    (sample(&mut tracer, settings, schedule), tracer.traffic())
+    let rgb = render_with(&mut tracer, settings, schedule);
+    (rgb, tracer.traffic())
 }
 
-/// A picture of any integrand, made on one thread with the core alone: interleaved RGB.
-pub fn sample(integrand: &mut impl Integrand, settings: Settings, schedule: Schedule) -> Vec<f32> {
+/// A picture of any integrand, likewise.
+pub fn render_with(integrand: &mut impl Integrand, settings: Settings, schedule: Schedule) -> Vec<f32> {
     let (width, height) = (settings.width, settings.height);
     let required = Sampler::required(width, height);
     let (mut floats, mut words) = (vec![0.0; required.floats], vec![0; required.words]);

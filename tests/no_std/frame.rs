@@ -41,6 +41,7 @@ pub fn render() -> Option<(Tally, f32)> {
         textures: &[],
         texels: &[],
         lights: &lights[..used],
+        light_nodes: &[],
     });
     sample(scene.ok()?)
 }

@@ -13,7 +13,7 @@
 //! points of a pixel are one well-spread sequence, which repeats after 2³² of them.
 
 use super::hit::SurfacePoints;
-use super::path::{Frame, PathTracer, SETS, Traffic, scatter, scatter_specular};
+use super::path::{Frame, PathTracer, SETS, Traffic, aim, lights, scatter, scatter_specular};
 use super::queue::{Open, Packet, Paths};
 use super::rough::Rough;
 use crate::batch::{Batch8, Integrand, Rgb8};
@@ -96,11 +96,12 @@ impl<'a> DirectLighting<'a> {
         let bsdf = Rough::new(surface, frame.to_local(-paths.direction));
         let Samples { light, bsdf: scattered } = self.samples;
         let share = f32x8::splat(scattered as f32 / light as f32);
-        let mut part = *paths;
+        let (scene, mut part) = (*self.paths.tracer.scene(), *paths);
+        let lights = lights(&scene, &mut part, surface);
         part.throughput = paths.throughput * f32x8::splat(1.0 / light as f32);
         for number in 0..light {
-            let point = sobol::point(nth(paths, light, number), paths.key, SETS * depth - 2);
-            let shadow = self.paths.aim(&part, surface, &frame, &bsdf, point, share);
+            let (u, v) = sobol::point(nth(paths, light, number), paths.key, SETS * depth - 2);
+            let shadow = aim(&part, surface, &frame, &bsdf, &lights.sample(u, v), share);
             self.paths.queue_shadows(&shadow, rough, radiance);
         }
         part.throughput = paths.throughput * f32x8::splat(1.0 / scattered as f32);
@@ -142,7 +143,7 @@ pub(super) fn arrive(
         return None;
     }
     let surface = SurfacePoints::at(tracer.tracer.scene(), &rays, &hits);
-    tracer.add_emission(paths, &surface, hits.t, radiance);
+    tracer.add_emission(paths, &surface, &hits, radiance);
     Some(surface)
 }
 

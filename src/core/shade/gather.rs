@@ -14,10 +14,13 @@
 //! its own: if the gather ray is shorter than the radius of the estimate (in corners, where the estimate's blur
 //! would show), and if there is no point near (in the dark).
 //!
-//! **Bias.** The estimates average over a disc, so light is smeared over its radius and darkened where the surface
-//! ends within it: caustics look softer than they are. The method is consistent, not unbiased: as photons (and the
-//! number averaged over) grow, the error goes away; as samples grow, it does not. The same map serves all samples,
-//! so its noise does not average out and no sampler sees it.
+//! **Bias.** The method is consistent, not unbiased: its error goes away as photons grow, not as samples do. An
+//! estimate averages over a disc, so light is smeared over its radius (caustics look softer than they are) and
+//! darkened where the surface ends within it. Over a picture this costs `cornell` 0.8 % of its energy with 50,000
+//! photon paths, 0.4 % with 200,000 and 0.2 % with 800,000. The number of photons in an estimate is fixed, so
+//! that its noise, about 15 %, stays while its disc shrinks: gather rays average it out, a caustic shows it as mottle.
+//! One map serves all samples of a frame: its noise does not average out, and no sampler sees it. A narrow lobe
+//! that reflects a caustic finds few photons to see it by; there the picture is uneven.
 
 use super::direct::arrive;
 use super::hit::SurfacePoints;
@@ -59,9 +62,10 @@ pub struct Gather<'a> {
 }
 
 impl<'a> Gather<'a> {
-    /// Photon mapping in `scene` seen through `camera`. Paths from the eye have up to `max_depth` segments, and with
-    /// those of the photons they end on, if these were shot for the same depth, as many in all; one more for
-    /// each mirror or glass surface seen on the way.
+    /// Photon mapping in `scene` seen through `camera`, with maps shot for the same `max_depth`.
+    ///
+    /// Paths from the eye have up to `max_depth` segments. With those of the photons they end on they usually have as
+    /// many in all; more where the eye's part had more than two (through mirrors and glass, after gloss, in corners).
     ///
     /// `memory` is scratch: [`PathTracer::required`] says how much, and what happens with less.
     pub fn new(
@@ -82,7 +86,7 @@ impl<'a> Gather<'a> {
 
     /// Takes one packet through one segment.
     fn bounce(&mut self, paths: &Paths, depth: u32, radiance: &mut [Rgb8]) {
-        let Some(mut surface) = arrive(&mut self.paths, paths, radiance) else { return };
+        let Some(mut surface) = arrive(&mut self.paths, &seeing(paths), radiance) else { return };
         if depth >= self.paths.max_depth {
             return;
         }
@@ -104,8 +108,6 @@ impl<'a> Gather<'a> {
         if specular.any() {
             let (choice, _) = sobol::point(paths.index, paths.key, SETS * depth);
             scatter_specular(&mut next, &surface, choice);
-            // What gather rays see of lamps through mirrors and glass is in the caustic map: a density of zero
-            // gives it no weight.
             next.density = (specular & gathering).select(f32x8::ZERO, next.density);
         }
         let alive = survivors(&mut next, rough | specular, depth);
@@ -175,6 +177,15 @@ impl<'a> Gather<'a> {
         let value = Vec3x8::new(value[0].into(), value[1].into(), value[2].into());
         accumulate(radiance, paths.slot, paths.throughput.scaled(value), lit);
     }
+}
+
+/// The paths as they see lamps. Those that come from a rough surface through mirrors and glass, which a density of
+/// zero marks, do not: that light is in the caustic map.
+#[inline(always)]
+fn seeing(paths: &Paths) -> Paths {
+    let blind = paths.density.simd_eq(f32x8::ZERO);
+    let throughput = Vec3x8::select(blind, Vec3x8::default(), paths.throughput);
+    Paths { throughput, density: blind.select(f32x8::splat(f32::INFINITY), paths.density), ..*paths }
 }
 
 /// Ends paths in the lanes of `gloss` by chance, where little is left to follow after a look-up, before the roulette

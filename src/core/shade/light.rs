@@ -1,13 +1,16 @@
 //! Emitting triangles: the table that picks one by power, and points on them.
 //!
-//! A light is picked with probability proportional to its area times the luminance of its radiance, a point on
-//! it uniformly. The density of a point per area is then luminance over total power, the same formula for every
-//! light, so that a path that hits an emitter by chance knows it without looking the light up.
+//! Few lights are picked with probability proportional to area times luminance of the radiance. The density of a point
+//! per area is then luminance over total power, the same formula for every light, so that a path that hits an
+//! emitter by chance knows it without looking the light up. Many lights are picked by the
+//! [light tree](super::light_tree), if the scene has one. A point on a light is picked uniformly.
 
-use super::{fetch, hit};
+use super::fetch;
+use super::hit;
+use super::light_tree::{self, Picked, Receiver, Root};
 use crate::scene::{Light, Material, Scene, SceneData, Surface, Triangle};
 use crate::vec3::{self, Vec3x8};
-use wide::f32x8;
+use wide::{f32x8, u32x8};
 
 /// Luminance of a linear Rec. 709 colour.
 pub(crate) fn luminance(rgb: [f32; 3]) -> f32 {
@@ -26,7 +29,8 @@ fn area(triangle: &Triangle) -> f32 {
     0.5 * libm::sqrtf(vec3::dot(normal, normal))
 }
 
-fn power(triangle: &Triangle, material: &Material) -> f64 {
+/// Luminance times area.
+pub(super) fn power(triangle: &Triangle, material: &Material) -> f64 {
     f64::from(area(triangle)) * f64::from(luminance(material.emission))
 }
 
@@ -66,7 +70,7 @@ pub fn build(
     let mut used = 0;
     for (light, (triangle, power)) in out.iter_mut().zip(powers()) {
         sum += power;
-        *light = Light { triangle: triangle as u32, cumulative: (sum / total) as f32 };
+        *light = Light { triangle: triangle as u32, cumulative: (sum / total) as f32, path: 0 };
         used += 1;
     }
     if let Some(last) = out[..used].last_mut() {
@@ -89,29 +93,87 @@ pub(super) struct LightPoints {
     pub clearance: f32x8,
 }
 
-/// Picks points on the lights from uniform numbers `u`, `v` in `[0, 1)`. The scene must have a light.
-#[inline]
-pub(super) fn sample(scene: &Scene<'_>, u: f32x8, v: f32x8) -> LightPoints {
-    let data = scene.data();
+/// The lights as they are picked for eight receivers.
+pub(super) struct Lights<'a> {
+    data: &'a SceneData<'a>,
+    inverse_power: f32,
+    tree: Option<Root<'a>>,
+}
+
+impl<'a> Lights<'a> {
+    /// Weighs the lights, of which the scene must have one.
+    #[inline(always)]
+    pub fn new(scene: &'a Scene<'_>, receiver: impl FnOnce() -> Receiver) -> Self {
+        let data = scene.data();
+        let tree = (!data.light_nodes.is_empty()).then(|| Root::new(data.light_nodes, receiver()));
+        Lights { data, inverse_power: scene.inverse_power(), tree }
+    }
+
+    /// The lights by power alone, without a receiver. The scene must have one.
+    pub fn by_power(scene: &'a Scene<'_>) -> Self {
+        Lights { data: scene.data(), inverse_power: scene.inverse_power(), tree: None }
+    }
+
+    /// Picks points on the lights from uniform numbers `u`, `v` in `[0, 1)`.
+    #[inline(always)]
+    pub fn sample(&self, u: f32x8, v: f32x8) -> LightPoints {
+        let data = self.data;
+        let picked = self.tree.as_ref().map_or_else(|| by_power(data, u), |tree| tree.pick(u));
+        let triangle = picked.light.map(|i| data.lights[i as usize].triangle);
+        let [a, b, c] = fetch::corners(data, triangle);
+        let root = picked.again.sqrt();
+        let position = a + (b - a) * (root * (f32x8::ONE - v)) + (c - a) * (root * v);
+        let material = triangle.map(|i| data.surfaces[i as usize].material);
+        let radiance = fetch::materials(data, material).emission;
+        let across = (b - a).cross(c - a);
+        let inverse = f32x8::ONE / across.length();
+        let density = match self.tree {
+            Some(_) => picked.probability * f32x8::splat(2.0) * inverse,
+            None => luminance8(radiance) * f32x8::splat(self.inverse_power),
+        };
+        let clearance = hit::largest([a, b, c]) * f32x8::splat(hit::CLEARANCE);
+        LightPoints { position, normal: across * inverse, radiance, density, clearance }
+    }
+}
+
+/// The density per unit area that [`Lights::sample`] has for `receiver` on triangles of radiance `emission`, in the
+/// lanes whose bit is set in `lanes`.
+#[inline(always)]
+pub(super) fn density(
+    scene: &Scene<'_>,
+    receiver: impl FnOnce() -> Receiver,
+    triangle: u32x8,
+    emission: Vec3x8,
+    lanes: u32,
+) -> f32x8 {
+    match scene.data().light_nodes {
+        [] => luminance8(emission) * f32x8::splat(scene.inverse_power()),
+        _ => tree_density(scene.data(), &receiver(), triangle.to_array(), lanes),
+    }
+}
+
+fn tree_density(data: &SceneData<'_>, receiver: &Receiver, triangle: [u32; 8], lanes: u32) -> f32x8 {
+    let mut density = [0.0; 8];
+    for lane in (0..8).filter(|lane| lanes >> lane & 1 == 1) {
+        if let Ok(found) = data.lights.binary_search_by_key(&triangle[lane], |light| light.triangle) {
+            let light = &data.lights[found];
+            let probability = light_tree::probability(data.light_nodes, light.path, receiver, lane);
+            density[lane] = probability / area(&data.triangles[triangle[lane] as usize]);
+        }
+    }
+    density.into()
+}
+
+/// Picks lights by the table.
+#[inline(always)]
+fn by_power(data: &SceneData<'_>, u: f32x8) -> Picked {
     let u = u.to_array();
     let picked = u.map(|u| pick(data.lights, u));
     let below = f32x8::from(picked.map(|i| if i == 0 { 0.0 } else { data.lights[i - 1].cumulative }));
     let above = f32x8::from(picked.map(|i| data.lights[i].cumulative));
     // The number that picked the triangle is stretched over its share and serves again.
     let again = ((f32x8::from(u) - below) / (above - below)).fast_max(f32x8::ZERO).fast_min(f32x8::ONE);
-    let triangle = picked.map(|i| data.lights[i].triangle);
-    let [a, b, c] = fetch::corners(data, triangle);
-    let root = again.sqrt();
-    let position = a + (b - a) * (root * (f32x8::ONE - v)) + (c - a) * (root * v);
-    let material = triangle.map(|i| data.surfaces[i as usize].material);
-    let radiance = fetch::materials(data, material).emission;
-    LightPoints {
-        position,
-        normal: (b - a).cross(c - a).normalized(),
-        radiance,
-        density: luminance8(radiance) * f32x8::splat(scene.inverse_power()),
-        clearance: hit::largest([a, b, c]) * f32x8::splat(hit::CLEARANCE),
-    }
+    Picked { light: picked.map(|i| i as u32), probability: above - below, again }
 }
 
 /// Tables up to this length are searched from the front.

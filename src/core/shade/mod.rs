@@ -1,7 +1,7 @@
 //! From hits to radiance: materials, lights and the integrators that combine them.
 //!
 //! * `hit` – what the surface is like where a ray meets it; `fetch` – how its records are fetched;
-//! * [`light`] – picking a point on an emitter;
+//! * [`light`] – picking a point on an emitter; [`light_tree`] – picking the emitter where there are many;
 //! * `rough`, `specular` – the scattering functions;
 //! * `queue`, `shadow` – packets of paths and of shadow rays, kept full;
 //! * [`path`] – the path tracer; [`direct`] – direct lighting alone;
@@ -12,6 +12,7 @@ mod fetch;
 pub mod gather;
 mod hit;
 pub mod light;
+pub mod light_tree;
 pub mod path;
 mod queue;
 mod rough;

@@ -10,7 +10,8 @@
 //! only hits that are equal up to rounding can depend on the other rays of a packet.
 
 use super::hit::SurfacePoints;
-use super::light::{self, luminance8};
+use super::light::{self, LightPoints, Lights};
+use super::light_tree::Receiver;
 use super::queue::{Paths, Queue, SLACK};
 use super::rough::Rough;
 use super::shadow::{ShadowRays, Shadows};
@@ -19,8 +20,8 @@ use crate::batch::{Batch8, Integrand, Rgb8};
 use crate::camera::Camera;
 use crate::scene::{Scattering, Scene};
 use crate::sobol;
-use crate::trace::{Tracer, perpendicular};
-use crate::vec3::Vec3x8;
+use crate::trace::{Hits8, Tracer, perpendicular};
+use crate::vec3::{Vec3x8, pack_unit, unpack_unit};
 use wide::{f32x8, u32x8};
 
 pub use super::queue::Packet;
@@ -98,6 +99,7 @@ impl<'a> PathTracer<'a> {
                 throughput: Vec3x8::splat([1.0; 3]),
                 density: f32x8::splat(f32::INFINITY),
                 compression: f32x8::ONE,
+                normal: u32x8::ZERO,
                 index: batch.index,
                 key: batch.key,
                 slot,
@@ -116,7 +118,7 @@ impl<'a> PathTracer<'a> {
             return;
         }
         let surface = SurfacePoints::at(self.tracer.scene(), &rays, &hits);
-        self.add_emission(paths, &surface, hits.t, radiance);
+        self.add_emission(paths, &surface, &hits, radiance);
         if depth >= self.max_depth {
             return;
         }
@@ -139,7 +141,7 @@ impl<'a> PathTracer<'a> {
         &self,
         paths: &Paths,
         surface: &SurfacePoints,
-        t: f32x8,
+        hits: &Hits8,
         radiance: &mut [Rgb8],
     ) {
         let front = surface.cosine.simd_gt(f32x8::ZERO);
@@ -147,11 +149,16 @@ impl<'a> PathTracer<'a> {
         if !lit.any() {
             return;
         }
-        let power = f32x8::splat(self.tracer.scene().inverse_power());
-        let aimed = luminance8(surface.emission) * power * t * t / surface.cosine;
+        let lit = lit.to_bitmask();
+        // Nobody aims at what is seen directly or in a mirror.
+        let by_chance = lit & paths.density.simd_lt(f32x8::splat(f32::INFINITY)).to_bitmask();
+        let receiver = || Receiver { position: paths.origin, normal: unpack_unit(paths.normal) };
+        let density =
+            light::density(self.tracer.scene(), receiver, hits.triangle, surface.emission, by_chance);
+        let aimed = density * hits.t * hits.t / surface.cosine;
         let weight = power_heuristic(paths.density, aimed);
         let value = paths.throughput.scaled(surface.emission) * weight;
-        super::shadow::accumulate(radiance, paths.slot, value, lit.to_bitmask());
+        super::shadow::accumulate(radiance, paths.slot, value, lit);
     }
 
     /// Queues a shadow ray and samples the next direction in the lanes of `rough`.
@@ -166,8 +173,9 @@ impl<'a> PathTracer<'a> {
         let frame = Frame::new(surface.normal);
         let bsdf = Rough::new(surface, frame.to_local(-next.direction));
         if !self.tracer.scene().data().lights.is_empty() {
-            let point = sobol::point(next.index, next.key, SETS * depth - 2);
-            let shadow = self.aim(next, surface, &frame, &bsdf, point, f32x8::ONE);
+            let (u, v) = sobol::point(next.index, next.key, SETS * depth - 2);
+            let point = lights(self.tracer.scene(), next, surface).sample(u, v);
+            let shadow = aim(next, surface, &frame, &bsdf, &point, f32x8::ONE);
             self.queue_shadows(&shadow, rough, radiance);
         }
         let point = sobol::point(next.index, next.key, SETS * depth - 1);
@@ -185,41 +193,6 @@ impl<'a> PathTracer<'a> {
             if self.shadows.lanes() == 8 {
                 self.trace_shadows(radiance);
             }
-        }
-    }
-
-    /// Shadow rays towards points on the lights, with what they carry if nothing is in between. `share` is the
-    /// number of scattered directions for each point on a light.
-    #[inline(always)]
-    pub(super) fn aim(
-        &self,
-        paths: &Paths,
-        surface: &SurfacePoints,
-        frame: &Frame,
-        bsdf: &Rough,
-        (u, v): (f32x8, f32x8),
-        share: f32x8,
-    ) -> ShadowRays {
-        let point = light::sample(self.tracer.scene(), u, v);
-        // What arrives is reckoned from the surface itself; only the ray starts off it.
-        let toward = point.position - surface.position;
-        let distance = toward.length();
-        let direction = toward * (f32x8::ONE / distance);
-        let cosine = -direction.dot(point.normal);
-        let (value, scattered) = bsdf.evaluate(frame.to_local(direction));
-        let density = point.density * distance * distance / cosine;
-        let weight = power_heuristic(density, scattered * share) / density;
-        let value = paths.throughput.scaled(value).scaled(point.radiance) * weight;
-        let lit = cosine.simd_gt(f32x8::ZERO);
-        let origin = surface.leave(toward);
-        let ray = point.position - origin;
-        let length = ray.length();
-        ShadowRays {
-            origin,
-            direction: ray * (f32x8::ONE / length),
-            t_max: length * f32x8::splat(SHADOW_REACH),
-            value: Vec3x8::select(lit, value, Vec3x8::default()),
-            slot: paths.slot,
         }
     }
 
@@ -260,6 +233,48 @@ impl Integrand for PathTracer<'_> {
                 self.trace_shadows(radiance);
             }
         }
+    }
+}
+
+/// The lights as seen from the surface, whose normal the paths take along.
+#[inline(always)]
+pub(super) fn lights<'a>(scene: &'a Scene<'_>, next: &mut Paths, surface: &SurfacePoints) -> Lights<'a> {
+    Lights::new(scene, || {
+        next.normal = pack_unit(surface.normal);
+        Receiver { position: surface.position, normal: unpack_unit(next.normal) }
+    })
+}
+
+/// Shadow rays towards points on the lights, with what they carry if nothing is in between. `share` is the
+/// number of scattered directions for each point on a light.
+#[inline(always)]
+pub(super) fn aim(
+    paths: &Paths,
+    surface: &SurfacePoints,
+    frame: &Frame,
+    bsdf: &Rough,
+    point: &LightPoints,
+    share: f32x8,
+) -> ShadowRays {
+    // What arrives is reckoned from the surface itself; only the ray starts off it.
+    let toward = point.position - surface.position;
+    let distance = toward.length();
+    let direction = toward * (f32x8::ONE / distance);
+    let cosine = -direction.dot(point.normal);
+    let (value, scattered) = bsdf.evaluate(frame.to_local(direction));
+    let density = point.density * distance * distance / cosine;
+    let weight = power_heuristic(density, scattered * share) / density;
+    let value = paths.throughput.scaled(value).scaled(point.radiance) * weight;
+    let lit = cosine.simd_gt(f32x8::ZERO);
+    let origin = surface.leave(toward);
+    let ray = point.position - origin;
+    let length = ray.length();
+    ShadowRays {
+        origin,
+        direction: ray * (f32x8::ONE / length),
+        t_max: length * f32x8::splat(SHADOW_REACH),
+        value: Vec3x8::select(lit, value, Vec3x8::default()),
+        slot: paths.slot,
     }
 }
 

@@ -17,7 +17,7 @@ pub struct Packet {
     lanes: u32,
 }
 
-const ROWS: usize = 14;
+const ROWS: usize = 15;
 
 /// Eight paths, unpacked.
 #[derive(Clone, Copy)]
@@ -29,6 +29,9 @@ pub(super) struct Paths {
     pub density: f32x8,
     /// Squared index ratio that the throughput contains.
     pub compression: f32x8,
+    /// Unit shading normal where `direction` was sampled, packed; of use to find out how the light tree would have
+    /// picked what the path hits.
+    pub normal: u32x8,
     pub index: u32x8,
     pub key: u32x8,
     /// Number of the sample in the stream.
@@ -42,9 +45,9 @@ impl Packet {
     pub(super) fn pack(p: &Paths) -> Self {
         let bits = |v: u32x8| bytemuck::cast::<_, f32x8>(v);
         let (o, d, t) = (p.origin, p.direction, p.throughput);
-        let integers = [bits(p.index), bits(p.key), bits(p.slot)];
-        let [index, key, slot] = integers;
-        let rows = [o.x, o.y, o.z, d.x, d.y, d.z, t.x, t.y, t.z, p.density, p.compression, index, key, slot];
+        let [index, key, slot, normal] = [p.index, p.key, p.slot, p.normal].map(bits);
+        let rows =
+            [o.x, o.y, o.z, d.x, d.y, d.z, t.x, t.y, t.z, p.density, p.compression, index, key, slot, normal];
         Packet { rows: rows.map(f32x8::to_array), lanes: p.lanes }
     }
 
@@ -62,6 +65,7 @@ impl Packet {
             index: integer(11),
             key: integer(12),
             slot: integer(13),
+            normal: integer(14),
             lanes: self.lanes,
         }
     }

@@ -13,8 +13,8 @@
 //! parts, anywhere. Caustic paths that miss the box around all mirrors and glass are not even traced.
 
 use super::hit::SurfacePoints;
-use super::light;
-use super::path::{Frame, SETS, Traffic, scatter_specular};
+use super::light::Lights;
+use super::path::{Frame, SETS, scatter_specular};
 use super::queue::{Packet, Paths, Queue, SLACK};
 use super::rough::{self, Rough};
 use crate::photon::Photon;
@@ -52,7 +52,6 @@ pub struct Shooter<'a> {
     queue: Queue<'a>,
     max_depth: u32,
     specular: Option<Bounds>,
-    traffic: Traffic,
 }
 
 impl<'a> Shooter<'a> {
@@ -76,18 +75,7 @@ impl<'a> Shooter<'a> {
             tracer: Tracer::new(scene),
             queue: Queue::new(memory),
             max_depth,
-            traffic: Traffic::default(),
         }
-    }
-
-    /// Whether there is anything that could gather light to a caustic.
-    pub fn has_caustics(&self) -> bool {
-        self.specular.is_some()
-    }
-
-    /// What has been traced so far.
-    pub fn traffic(&self) -> Traffic {
-        self.traffic
     }
 
     /// Shoots `count` of the paths from number `first` on. Returns how many photons it wrote to the front of `out`.
@@ -136,8 +124,6 @@ impl<'a> Shooter<'a> {
     /// Takes one packet through one segment; returns how many photons it has written.
     fn bounce(&mut self, map: Map, paths: &Paths, depth: u32, is_last: bool, out: &mut [Photon]) -> usize {
         let rays = paths.rays();
-        self.traffic.packets += 1;
-        self.traffic.rays += u64::from(paths.lanes);
         let hits = self.tracer.closest(&rays);
         if !hits.any() {
             return 0;
@@ -196,7 +182,7 @@ const fn segments(map: Map, max_depth: u32) -> u32 {
 /// Photons on their way off the lights, with their share of the power of `paths` paths.
 fn emit(scene: &Scene<'_>, paths: u32, index: u32x8, key: u32x8) -> Paths {
     let (u, v) = sobol::point(index, key, 1);
-    let point = light::sample(scene, u, v);
+    let point = Lights::by_power(scene).sample(u, v);
     let (u, v) = sobol::point(index, key, 2);
     let frame = Frame::new(point.normal);
     let flux = f32x8::splat(core::f32::consts::PI / paths as f32) / point.density;
@@ -206,6 +192,7 @@ fn emit(scene: &Scene<'_>, paths: u32, index: u32x8, key: u32x8) -> Paths {
         throughput: point.radiance * flux,
         density: f32x8::splat(f32::INFINITY),
         compression: f32x8::ONE,
+        normal: u32x8::ZERO,
         index,
         key,
         slot: u32x8::ZERO,

@@ -4,8 +4,8 @@ use super::place::Placement;
 use super::texture::TextureCache;
 use super::{Error, LoadedScene, View, bvh};
 use glam::{Vec2, Vec3};
-use pmcip_core::scene::{Material, Surface, Triangle};
-use pmcip_core::shade::light;
+use pmcip_core::scene::{Light, LightNode8, Material, Surface, Triangle};
+use pmcip_core::shade::{light, light_tree};
 use std::path::Path;
 
 /// The vertical field of view of the automatic camera: that of the Cornell box.
@@ -124,6 +124,7 @@ impl Assembly {
         let mut lights = vec![Default::default(); light::count(&self.surfaces, &self.materials)];
         let used = light::build(&self.triangles, &self.surfaces, &self.materials, &mut lights);
         lights.truncate(used);
+        let light_nodes = light_tree(&self.triangles, &self.surfaces, &self.materials, &mut lights);
         let (textures, texels) = self.textures.into_parts();
         Ok(LoadedScene {
             name: path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
@@ -135,6 +136,7 @@ impl Assembly {
             textures,
             texels,
             lights,
+            light_nodes,
             view: shot.view.unwrap_or_else(|| frame(bounds, shot.width, shot.height)),
             width: shot.width,
             height: shot.height,
@@ -150,6 +152,20 @@ impl Assembly {
         let positions = self.triangles.iter().flat_map(|t| t.corners).map(Vec3::from);
         positions.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)))
     }
+}
+
+/// Tree over the lights, and their places in it.
+fn light_tree(
+    triangles: &[Triangle],
+    surfaces: &[Surface],
+    materials: &[Material],
+    lights: &mut [Light],
+) -> Vec<LightNode8> {
+    let mut nodes = vec![LightNode8::default(); light_tree::required(lights.len())];
+    let mut order = vec![0; lights.len()];
+    let used = light_tree::build(triangles, surfaces, materials, lights, &mut order, &mut nodes);
+    nodes.truncate(used);
+    nodes
 }
 
 /// The unit normal of the side from which the corners run counter-clockwise; none without an area.

@@ -66,7 +66,7 @@ pub use error::Error;
 /// The largest width or height of an image, in pixels.
 pub const MAX_SIZE: u32 = 16384;
 
-use pmcip_core::scene::{Light, Material, Node8, SceneData, Surface, Texture, Triangle};
+use pmcip_core::scene::{Light, LightNode8, Material, Node8, SceneData, Surface, Texture, Triangle};
 use std::path::{Path, PathBuf};
 
 /// From where a scene is seen.
@@ -103,6 +103,8 @@ pub struct LoadedScene {
     pub texels: Vec<[f32; 3]>,
     /// Emitting triangles.
     pub lights: Vec<Light>,
+    /// Tree over them; empty where they are few.
+    pub light_nodes: Vec<LightNode8>,
     /// The camera.
     pub view: View,
     /// Image width in pixels.
@@ -130,6 +132,7 @@ impl LoadedScene {
             textures: &self.textures,
             texels: &self.texels,
             lights: &self.lights,
+            light_nodes: &self.light_nodes,
         }
     }
 
