@@ -70,20 +70,20 @@ fn photon_mapping_allocates_nothing() {
     let mut packets = vec![Packet::default(); Shooter::required(64)];
     let mut photons = vec![Photon::default(); 64];
     let mut points = vec![Irradiance::default(); 64];
-    let mut splits = [[Split::default(); 7], [Split::default(); 7]];
-    let mut leaves = [[Leaf::default(); 8], [Leaf::default(); 8]];
+    let [mut splits, mut more_splits] = [[Split::default(); 7]; 2];
+    let [mut leaves, mut more_leaves] = [[Leaf::default(); 8]; 2];
     let mut light = Default::default();
     let count = allocations(|| {
         let shot = Shooter::new(scene, 3, &mut packets).shoot(&shots, 0, 64, &mut photons);
         assert_eq!(shot, 64);
-        photon::build(&mut photons, &mut splits[0], &mut leaves[0]).unwrap();
-        let global = Tree::new(&photons, &splits[0], &leaves[0]).unwrap();
+        photon::build(&mut photons, &mut splits, &mut leaves).unwrap();
+        let global = Tree::new(&photons, &splits, &leaves).unwrap();
         for (point, photon) in points.iter_mut().zip(&photons) {
             (point.position, point.normal) = (photon.position, photon.normal);
         }
         photon::estimate(&global, &mut points);
-        photon::build(&mut points, &mut splits[1], &mut leaves[1]).unwrap();
-        let irradiance = Tree::new(&points, &splits[1], &leaves[1]).unwrap();
+        photon::build(&mut points, &mut more_splits, &mut more_leaves).unwrap();
+        let irradiance = Tree::new(&points, &more_splits, &more_leaves).unwrap();
         let camera = Camera::new([0.0; 3], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0], 60.0, 8, 8).unwrap();
         let maps = Maps { irradiance, caustic: global };
         let batch = Batch8 { lanes: 8, x: f32x8::splat(4.0), y: f32x8::splat(4.0), ..Batch8::default() };

@@ -166,8 +166,8 @@ fn divide<T: Site>(sites: &mut [T], node: usize, n: usize, level: u32, splits: &
         return;
     }
     let j = (node + 1 - (1 << level)) as u64;
-    let first = (n as u64 * j >> level) as usize;
-    let middle = (n as u64 * (2 * j + 1) >> (level + 1)) as usize - first;
+    let first = ((n as u64 * j) >> level) as usize;
+    let middle = ((n as u64 * (2 * j + 1)) >> (level + 1)) as usize - first;
     let axis = widest(sites);
     let order = |a: &T, b: &T| a.position()[axis].total_cmp(&b.position()[axis]);
     let mut at = 0.0;

@@ -120,7 +120,7 @@ fn patience_ends_without_a_wrong_answer() {
     let coordinate = |i: u32| (crate::sobol::hash(i) >> 8) as f32 / (1 << 24) as f32;
     let photon = |i: u32| Photon {
         position: [0, 1, 2].map(|axis| coordinate(3 * i + axis)),
-        normal: if i % 100 == 0 { [0.0, 0.0, 1.0] } else { [1.0, 0.0, 0.0] },
+        normal: if i.is_multiple_of(100) { [0.0, 0.0, 1.0] } else { [1.0, 0.0, 0.0] },
         ..Photon::default()
     };
     let mut sites: Vec<Photon> = (0..40_000).map(photon).collect();

@@ -112,7 +112,7 @@ impl<'a> DirectLighting<'a> {
             scatter(&mut next, &frame, &bsdf, rough, point, || {
                 sobol::point(index, paths.key, SETS * depth).0
             });
-            next.density = next.density * share;
+            next.density *= share;
             next.origin = surface.leave(next.direction);
             let alive = rough & next.throughput.max_component().simd_gt(f32x8::ZERO);
             let tracer = &mut self.paths;
