@@ -53,18 +53,22 @@ pub trait Site {
 }
 
 impl Site for Photon {
+    #[inline]
     fn position(&self) -> [f32; 3] {
         self.position
     }
+    #[inline]
     fn normal(&self) -> [f32; 3] {
         self.normal
     }
 }
 
 impl Site for Irradiance {
+    #[inline]
     fn position(&self) -> [f32; 3] {
         self.position
     }
+    #[inline]
     fn normal(&self) -> [f32; 3] {
         self.normal
     }

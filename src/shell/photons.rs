@@ -32,7 +32,7 @@ const POINTS: usize = 1024;
 /// What the maps of a frame depend on, besides the scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Order {
-    /// Photon paths of the global map, and about the number of photons in the caustic map.
+    /// Photon paths of the global map. The caustic map gets about half as many photons, if there are caustics.
     pub photons: u32,
     /// Longest path in segments, from the eye to the light.
     pub max_depth: u32,
@@ -74,7 +74,7 @@ impl Photons {
         let found = all(Map::Caustic, pilot).len();
         let caustic = match found {
             0 => Vec::new(),
-            found => all(Map::Caustic, caustic_paths(order.photons, pilot, found)),
+            found => all(Map::Caustic, caustic_paths(order.photons / 2, pilot, found)),
         };
         let global = all(Map::Global, order.photons);
         let points = global.iter().step_by(STRIDE).map(point).collect();

@@ -50,7 +50,7 @@ pub enum Integrator {
     },
     /// Photon mapping: all light, what comes after the first bounce from maps that are shot once a frame.
     Gather {
-        /// Photon paths of the global map, and about the number of photons in the caustic map.
+        /// Photon paths of the global map. The caustic map gets about half as many photons, if there are caustics.
         photons: u32,
         /// Seed of the maps: renders that differ in the sampler's seed alone share them.
         photon_seed: u32,
