@@ -130,6 +130,27 @@ fn every_sampler_and_estimator_renders() {
 }
 
 #[test]
+fn direct_lighting_takes_its_numbers_and_says_them() {
+    let room = room();
+    let settings = |options: &str| {
+        let arguments = format!("render room.obj {SMALL} --json --integrator direct {options}");
+        let report: Value = serde_json::from_str(&success(room.path(), &arguments)).unwrap();
+        report["settings"].clone()
+    };
+    let list = settings("");
+    assert_eq!(
+        (&list["integrator"], &list["light_samples"], &list["bsdf_samples"]),
+        (&"direct".into(), &8.into(), &8.into())
+    );
+    let attributes = read_exr(&room.path().join("room.exr")).unwrap().attributes;
+    assert_eq!((attributes["integrator"].as_str(), attributes["light_samples"].as_str()), ("direct", "8"));
+    let list = settings("--light-samples 3");
+    assert_eq!((&list["light_samples"], &list["bsdf_samples"]), (&3.into(), &3.into()));
+    let list = settings("--light-samples 3 --bsdf-samples 1");
+    assert_eq!((&list["light_samples"], &list["bsdf_samples"]), (&3.into(), &1.into()));
+}
+
+#[test]
 fn reference_and_error_go_together() {
     let room = room();
     success(room.path(), &format!("reference room.obj {VIEW} --spp 64 -o sub.exr"));
@@ -170,9 +191,10 @@ fn wrong_words_on_the_command_line_get_one_line() {
         ("render room.obj --size 99999x16", "--size <WxH>"),
         ("render room.obj --sampler best", "pmc, uniform, paper"),
         ("render room.obj --integrator none", "--integrator"),
-        ("render room.obj --light-samples 4", "--light-samples"),
         ("render room.obj --integrator direct --photons 9", "--photons needs --integrator gather"),
         ("render room.obj --integrator gather --photons 0", "--photons"),
+        ("render room.obj --light-samples 4", "--light-samples needs --integrator direct"),
+        ("render room.obj --integrator direct --bsdf-samples 0", "--bsdf-samples <N>"),
         ("render room.obj --estimator best", "balanced, pooled, subframe, difference"),
         ("render room.obj --gamma -1", "0 to 4"),
         ("render room.obj --gamma NaN", "0 to 4"),

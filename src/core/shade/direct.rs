@@ -13,6 +13,7 @@
 //! points of a pixel are one well-spread sequence, which repeats after 2³² of them.
 
 use super::hit::SurfacePoints;
+use super::light::are_few;
 use super::path::{Frame, PathTracer, SETS, Traffic, aim, lights, scatter, scatter_specular};
 use super::queue::{Open, Packet, Paths};
 use super::rough::Rough;
@@ -97,6 +98,7 @@ impl<'a> DirectLighting<'a> {
         let Samples { light, bsdf: scattered } = self.samples;
         let share = f32x8::splat(scattered as f32 / light as f32);
         let (scene, mut part) = (*self.paths.tracer.scene(), *paths);
+        let few = are_few(scene.data());
         let lights = lights(&scene, &mut part, surface);
         part.throughput = paths.throughput * f32x8::splat(1.0 / light as f32);
         for number in 0..light {
@@ -116,6 +118,10 @@ impl<'a> DirectLighting<'a> {
             next.origin = surface.leave(next.direction);
             let alive = rough & next.throughput.max_component().simd_gt(f32x8::ZERO);
             let tracer = &mut self.paths;
+            if few {
+                tracer.end_on_lights(&next, alive, radiance);
+                continue;
+            }
             self.stray
                 .push(&next, alive.to_bitmask(), |packet| _ = arrive(tracer, &packet.unpack(), radiance));
         }

@@ -112,7 +112,7 @@ impl<'a> Gather<'a> {
         }
         let alive = survivors(&mut next, rough | specular, depth);
         next.origin = surface.leave(next.direction);
-        self.paths.queue.push(&next, alive);
+        self.paths.queue.push(&next, alive.to_bitmask());
     }
 
     /// Adds the light that `surface` reflects diffusely, where the map knows it, and takes the diffuse part away.

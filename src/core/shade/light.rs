@@ -176,6 +176,12 @@ fn by_power(data: &SceneData<'_>, u: f32x8) -> Picked {
     Picked { light: picked.map(|i| i as u32), probability: above - below, again }
 }
 
+/// Whether to look for the lights that a ray meets one by one, before what may be in between.
+#[inline(always)]
+pub(super) fn are_few(data: &SceneData<'_>) -> bool {
+    data.lights.len() <= SHORT
+}
+
 /// Tables up to this length are searched from the front.
 const SHORT: usize = 8;
 

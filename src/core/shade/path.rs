@@ -20,7 +20,7 @@ use crate::batch::{Batch8, Integrand, Rgb8};
 use crate::camera::Camera;
 use crate::scene::{Scattering, Scene};
 use crate::sobol;
-use crate::trace::{Hits8, Tracer, perpendicular};
+use crate::trace::{Hits8, Rays8, Tracer, perpendicular};
 use crate::vec3::{Vec3x8, pack_unit, unpack_unit};
 use wide::{f32x8, u32x8};
 
@@ -133,7 +133,11 @@ impl<'a> PathTracer<'a> {
         }
         let alive = survivors(&mut next, surface.hit, depth);
         next.origin = surface.leave(next.direction);
-        self.queue.push(&next, alive);
+        if depth + 1 == self.max_depth && light::are_few(self.tracer.scene().data()) {
+            self.end_on_lights(&next, alive, radiance);
+        } else {
+            self.queue.push(&next, alive.to_bitmask());
+        }
     }
 
     /// Adds what the surface emits towards the path, weighted against aiming at it.
@@ -144,21 +148,26 @@ impl<'a> PathTracer<'a> {
         hits: &Hits8,
         radiance: &mut [Rgb8],
     ) {
-        let front = surface.cosine.simd_gt(f32x8::ZERO);
-        let lit = surface.hit & front & surface.emission.max_component().simd_gt(f32x8::ZERO);
-        if !lit.any() {
+        if let Some((value, lit)) = emitted(self.tracer.scene(), paths, surface, hits) {
+            super::shadow::accumulate(radiance, paths.slot, value, lit.to_bitmask());
+        }
+    }
+
+    /// Ends paths whose next segment counts only if it ends on a light: looks for the light first, and for what is in
+    /// between only if there is one. For scenes of [few lights](light::are_few).
+    pub(super) fn end_on_lights(&mut self, paths: &Paths, alive: f32x8, radiance: &mut [Rgb8]) {
+        let t_max = alive.select(f32x8::splat(f32::INFINITY), f32x8::splat(-1.0));
+        let rays = Rays8 { origin: paths.origin, direction: paths.direction, t_max };
+        let hits = self.tracer.closest_light(&rays);
+        if !hits.any() {
             return;
         }
-        let lit = lit.to_bitmask();
-        // Nobody aims at what is seen directly or in a mirror.
-        let by_chance = lit & paths.density.simd_lt(f32x8::splat(f32::INFINITY)).to_bitmask();
-        let receiver = || Receiver { position: paths.origin, normal: unpack_unit(paths.normal) };
-        let density =
-            light::density(self.tracer.scene(), receiver, hits.triangle, surface.emission, by_chance);
-        let aimed = density * hits.t * hits.t / surface.cosine;
-        let weight = power_heuristic(paths.density, aimed);
-        let value = paths.throughput.scaled(surface.emission) * weight;
-        super::shadow::accumulate(radiance, paths.slot, value, lit);
+        let surface = SurfacePoints::at(self.tracer.scene(), &rays, &hits);
+        if let Some((value, lit)) = emitted(self.tracer.scene(), paths, &surface, &hits) {
+            let t_max = hits.t * f32x8::splat(SHADOW_REACH);
+            let (origin, direction, slot) = (paths.origin, paths.direction, paths.slot);
+            self.queue_shadows(&ShadowRays { origin, direction, t_max, value, slot }, lit, radiance);
+        }
     }
 
     /// Queues a shadow ray and samples the next direction in the lanes of `rough`.
@@ -234,6 +243,29 @@ impl Integrand for PathTracer<'_> {
             }
         }
     }
+}
+
+/// What the surface emits towards the path, weighted against aiming at it, and the lanes in which it does; none if
+/// there is none.
+#[inline(always)]
+fn emitted(
+    scene: &Scene<'_>,
+    paths: &Paths,
+    surface: &SurfacePoints,
+    hits: &Hits8,
+) -> Option<(Vec3x8, f32x8)> {
+    let front = surface.cosine.simd_gt(f32x8::ZERO);
+    let lit = surface.hit & front & surface.emission.max_component().simd_gt(f32x8::ZERO);
+    if !lit.any() {
+        return None;
+    }
+    // Nobody aims at what is seen directly or in a mirror.
+    let by_chance = lit & paths.density.simd_lt(f32x8::splat(f32::INFINITY));
+    let receiver = || Receiver { position: paths.origin, normal: unpack_unit(paths.normal) };
+    let density = light::density(scene, receiver, hits.triangle, surface.emission, by_chance.to_bitmask());
+    let aimed = density * hits.t * hits.t / surface.cosine;
+    let weight = power_heuristic(paths.density, aimed);
+    Some((paths.throughput.scaled(surface.emission) * weight, lit))
 }
 
 /// The lights as seen from the surface, whose normal the paths take along.
@@ -314,8 +346,8 @@ pub(super) fn scatter_specular(next: &mut Paths, surface: &SurfacePoints, choice
     next.compression = glass.select(next.compression * through.compression, next.compression);
 }
 
-/// Ends paths that carry nothing, and by chance those that carry little; returns the others, as bits.
-pub(super) fn survivors(next: &mut Paths, hit: f32x8, depth: u32) -> u32 {
+/// Ends paths that carry nothing, and by chance those that carry little; returns the others.
+pub(super) fn survivors(next: &mut Paths, hit: f32x8, depth: u32) -> f32x8 {
     let carried = next.throughput.max_component();
     let mut alive = hit & carried.simd_gt(f32x8::ZERO);
     if depth >= ROULETTE_DEPTH {
@@ -324,7 +356,7 @@ pub(super) fn survivors(next: &mut Paths, hit: f32x8, depth: u32) -> u32 {
         alive &= chance.simd_lt(survival);
         next.throughput = next.throughput * (f32x8::ONE / survival);
     }
-    alive.to_bitmask()
+    alive
 }
 
 /// Weight of a technique of density `own` beside one of density `other`: a²/(a² + b²), without overflow.

@@ -53,6 +53,17 @@ impl<'a> Tracer<'a> {
         hits
     }
 
+    /// As [`closest`](Self::closest), but only triangles that emit are seen. For few of them this is far quicker.
+    pub(crate) fn closest_light(&self, rays: &Rays8) -> Hits8 {
+        let prepared = Prepared::new(rays);
+        let mut hits = Hits8::none(rays.t_max);
+        let data = self.scene.data();
+        for light in data.lights {
+            triangle::closest(&prepared, &data.triangles[light.triangle as usize], light.triangle, &mut hits);
+        }
+        hits
+    }
+
     /// The lanes, as bits, in which something lies between the origin and `t_max`. Idle lanes are not occluded.
     pub fn occluded(&mut self, rays: &Rays8) -> u32 {
         let prepared = Prepared::new(rays);
