@@ -14,11 +14,12 @@
 //! its own: if the gather ray is shorter than the radius of the estimate (in corners, where the estimate's blur
 //! would show), and if there is no point near (in the dark).
 //!
-//! **Bias.** The method is consistent, not unbiased: its error goes away as photons grow, not as samples do. An
+//! **Bias.** The method is consistent, not unbiased: its bias goes away as photons grow, not as samples do. An
 //! estimate averages over a disc, so light is smeared over its radius (caustics look softer than they are) and
 //! darkened where the surface ends within it. Over a picture this costs `cornell` 0.8 % of its energy with 50,000
 //! photon paths, 0.4 % with 200,000 and 0.2 % with 800,000. The number of photons in an estimate is fixed, so
-//! that its noise, about 15 %, stays while its disc shrinks: gather rays average it out, a caustic shows it as mottle.
+//! that its noise, about 15 %, stays while its disc shrinks: gather rays average over many, but a caustic shows it as
+//! mottle that gets finer, not fainter, with more photons.
 //! One map serves all samples of a frame: its noise does not average out, and no sampler sees it. A narrow lobe
 //! that reflects a caustic finds few photons to see it by; there the picture is uneven.
 
