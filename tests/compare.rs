@@ -136,10 +136,10 @@ fn the_reference_is_rendered_once_for_the_same_scene() {
     let first = reference();
     assert!(said("").contains("uses the reference"));
     assert_eq!(reference(), first);
-    assert!(said("--max-depth 2").contains("shows another scene, size, depth or camera"));
-    assert!(said("").contains("shows another scene, size, depth or camera"));
+    assert!(said("--max-depth 2").contains("shows another scene, size, integrator, depth or camera"));
+    assert!(said("").contains("shows another scene, size, integrator, depth or camera"));
     paint(path, 0.25);
-    assert!(said("").contains("shows another scene, size, depth or camera"));
+    assert!(said("").contains("shows another scene, size, integrator, depth or camera"));
     assert!(said("").contains("uses the reference"));
     fs::write(path.join("report/reference.exr"), "half a file").unwrap();
     assert!(said("").contains("cannot read"));
