@@ -86,6 +86,24 @@ fn the_same_seed_makes_the_same_file_on_any_number_of_threads() {
 }
 
 #[test]
+fn gather_says_what_it_shot() {
+    let room = room();
+    let gather = format!("render room.obj {SMALL} --integrator gather --photons 1000");
+    let report: Value =
+        serde_json::from_str(&success(room.path(), &format!("{gather} --seed 3 --json"))).unwrap();
+    assert_eq!(report["settings"]["integrator"], "gather");
+    assert_eq!(report["settings"]["photons"], 1000);
+    assert_eq!(report["settings"]["photon_seed"], 3);
+    assert!(report["global_photons"].as_u64().unwrap() > 100, "{report}");
+    assert_eq!(report["caustic_photons"], 0);
+    assert!(report["photon_seconds"].as_f64().unwrap() > 0.0);
+    assert_eq!(read_exr(&room.path().join("room.exr")).unwrap().attributes["photons"], "1000");
+    assert!(success(room.path(), &gather).contains("0 caustic ones"));
+    let paths = success(room.path(), &format!("render room.obj {SMALL} --json"));
+    assert!(!paths.contains("photon"), "{paths}");
+}
+
+#[test]
 fn json_and_quiet_say_what_they_should() {
     let room = room();
     let text = success(room.path(), &format!("render room.obj {SMALL} --json --sampler paper --max-depth 3"));
@@ -173,6 +191,8 @@ fn wrong_words_on_the_command_line_get_one_line() {
         ("render room.obj --size 99999x16", "--size <WxH>"),
         ("render room.obj --sampler best", "pmc, uniform, paper"),
         ("render room.obj --integrator none", "--integrator"),
+        ("render room.obj --integrator direct --photons 9", "--photons needs --integrator gather"),
+        ("render room.obj --integrator gather --photons 0", "--photons"),
         ("render room.obj --light-samples 4", "--light-samples needs --integrator direct"),
         ("render room.obj --integrator direct --bsdf-samples 0", "--bsdf-samples <N>"),
         ("render room.obj --estimator best", "balanced, pooled, subframe, difference"),

@@ -143,6 +143,10 @@ fn the_reference_is_rendered_once_for_the_same_scene() {
         said("--integrator direct --light-samples 2").contains("uses the reference"),
         "it shows the same"
     );
+    for photons in [100, 200] {
+        let other = said(&format!("--integrator gather --photons {photons}"));
+        assert!(other.contains("shows another scene"), "the map is part of the picture: {other}");
+    }
     paint(path, 0.25);
     assert!(said("").contains("shows another scene, size, integrator, depth or camera"));
     assert!(said("").contains("uses the reference"));

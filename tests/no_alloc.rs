@@ -1,11 +1,21 @@
 //! The core allocates nothing while it builds lights, checks a scene, adapts, traces and resolves a frame,
 //! nor while it looks for features and homographies.
 
+mod common;
 #[path = "no_std/frame.rs"]
 mod frame;
 
+use pmcip_core::batch::{Batch8, Integrand};
+use pmcip_core::camera::Camera;
 use pmcip_core::features::{self, Feature, Picture};
 use pmcip_core::homography::{self, Block, Pair};
+use pmcip_core::photon::{self, Irradiance, Leaf, Photon, Split, Tree};
+use pmcip_core::scene::Material;
+use pmcip_core::shade::gather::{Gather, Maps};
+use pmcip_core::shade::path::Packet;
+use pmcip_core::shade::shoot::{Map, Shooter, Shots};
+use wide::f32x8;
+
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use std::hint::black_box;
@@ -50,6 +60,40 @@ fn a_frame_allocates_nothing() {
     let (tally, brightest) = result.expect("the core accepts scene and memory");
     assert_eq!((tally.samples, tally.rejected), (frame::SAMPLES, 0));
     assert!(brightest > 0.1, "the wall is lit: {brightest}");
+}
+
+/// Shooting, building trees, estimating and gathering, on memory that is there before.
+#[test]
+fn photon_mapping_allocates_nothing() {
+    let owned = common::Owned::new(
+        &common::inward_box([-1.0; 3], [1.0; 3]).into_iter().map(|t| (t, 0)).collect::<Vec<_>>(),
+        vec![Material { emission: [1.0; 3], ..Material::default() }],
+    );
+    let (scene, shots) = (owned.scene(), Shots { map: Map::Global, paths: 64, seed: 0, frame: 0 });
+    let mut packets = vec![Packet::default(); Shooter::required(64)];
+    let mut photons = vec![Photon::default(); 64];
+    let mut points = vec![Irradiance::default(); 64];
+    let [mut splits, mut more_splits] = [[Split::default(); 7]; 2];
+    let [mut leaves, mut more_leaves] = [[Leaf::default(); 8]; 2];
+    let mut light = Default::default();
+    let count = allocations(|| {
+        let shot = Shooter::new(scene, 3, &mut packets).shoot(&shots, 0, 64, &mut photons);
+        assert_eq!(shot, 64);
+        photon::build(&mut photons, &mut splits, &mut leaves).unwrap();
+        let global = Tree::new(&photons, &splits, &leaves).unwrap();
+        for (point, photon) in points.iter_mut().zip(&photons) {
+            (point.position, point.normal) = (photon.position, photon.normal);
+        }
+        photon::estimate(&global, &mut points);
+        photon::build(&mut points, &mut more_splits, &mut more_leaves).unwrap();
+        let irradiance = Tree::new(&points, &more_splits, &more_leaves).unwrap();
+        let camera = Camera::new([0.0; 3], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0], 60.0, 8, 8).unwrap();
+        let maps = Maps { irradiance, caustic: global };
+        let batch = Batch8 { lanes: 8, x: f32x8::splat(4.0), y: f32x8::splat(4.0), ..Batch8::default() };
+        light = Gather::new(scene, camera, 3, maps, &mut packets).radiance(&batch);
+    });
+    assert_eq!(count, 0);
+    assert!(light.r.to_array()[0] > 1.0);
 }
 
 #[test]

@@ -35,7 +35,8 @@
 //!
 //! * [`scene`] – a scene as borrowed slices, checked once; [`camera`] – primary rays.
 //! * [`trace`] – packets of eight rays through an eight-wide hierarchy, without cracks.
-//! * [`shade`] – materials, lights, and the [path tracer](shade::path).
+//! * [`shade`] – materials, lights, the [path tracer](shade::path), and [photon mapping](shade::gather);
+//! * [`photon`] – photons in a tree, and the light they bring.
 //!
 //! [`math`] is the one door for transcendental functions and [`vec3`] the vectors, eight lanes wide.
 //!
@@ -64,6 +65,7 @@ pub mod film;
 pub mod homography;
 pub mod kernel;
 pub mod math;
+pub mod photon;
 pub mod sampler;
 pub mod scene;
 pub mod shade;

@@ -27,6 +27,12 @@ impl Vec3x8 {
         Vec3x8::new(f32x8::splat(v[0]), f32x8::splat(v[1]), f32x8::splat(v[2]))
     }
 
+    /// The vector of one lane, 0 to 7, in every lane.
+    #[inline(always)]
+    pub fn lane(self, lane: usize) -> Self {
+        Vec3x8::splat([self.x, self.y, self.z].map(|v| v.to_array()[lane & 7]))
+    }
+
     /// Scalar product.
     #[inline(always)]
     pub fn dot(self, o: Self) -> f32x8 {

@@ -3,7 +3,10 @@
 use clap::error::ErrorKind;
 use clap::{Args, Parser, Subcommand};
 use pmcip::compare::Variant;
-use pmcip::settings::{DEFAULT_LIGHT_SAMPLES, Estimate, Integrator, MAX_DEPTH, MAX_LIGHT_SAMPLES, Method};
+use pmcip::settings::{
+    DEFAULT_LIGHT_SAMPLES, DEFAULT_PHOTONS, Estimate, Integrator, MAX_DEPTH, MAX_LIGHT_SAMPLES, MAX_PHOTONS,
+    Method,
+};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -93,6 +96,9 @@ pub struct Common {
     /// where polished surfaces reflect large lights [default: as many as light samples]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_LIGHT_SAMPLES)))]
     pub bsdf_samples: Option<u32>,
+    /// Photon paths that gather shoots for a frame; more of them blur less [default: 200000]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_PHOTONS)))]
+    pub photons: Option<u32>,
     /// Longest path in segments, counted from the eye: 2 is direct light only [default: the scene's, or 8]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_DEPTH)))]
     pub max_depth: Option<u32>,
@@ -182,6 +188,8 @@ pub enum IntegratorName {
     Path,
     /// Direct lighting with multiple importance sampling, also through mirrors and glass
     Direct,
+    /// Photon mapping with final gathering and a caustic map: less noise where light is indirect, but biased
+    Gather,
 }
 
 impl Common {
@@ -190,18 +198,25 @@ impl Common {
     /// # Errors
     /// If an option is given that belongs to another integrator.
     pub fn integrator(&self) -> Result<Integrator, String> {
-        match self.integrator {
-            IntegratorName::Path => {
-                reject(self.light_samples, "--light-samples", "direct")?;
-                reject(self.bsdf_samples, "--bsdf-samples", "direct")?;
-                Ok(Integrator::Path)
-            }
+        if self.integrator != IntegratorName::Direct {
+            reject(self.light_samples, "--light-samples", "direct")?;
+            reject(self.bsdf_samples, "--bsdf-samples", "direct")?;
+        }
+        if self.integrator != IntegratorName::Gather {
+            reject(self.photons, "--photons", "gather")?;
+        }
+        Ok(match self.integrator {
+            IntegratorName::Path => Integrator::Path,
             IntegratorName::Direct => {
                 let light_samples = self.light_samples.unwrap_or(DEFAULT_LIGHT_SAMPLES);
                 let bsdf_samples = self.bsdf_samples.unwrap_or(light_samples);
-                Ok(Integrator::Direct { light_samples, bsdf_samples })
+                Integrator::Direct { light_samples, bsdf_samples }
             }
-        }
+            IntegratorName::Gather => {
+                let photons = self.photons.unwrap_or(DEFAULT_PHOTONS);
+                Integrator::Gather { photons, photon_seed: self.seed }
+            }
+        })
     }
 }
 

@@ -12,6 +12,7 @@ pub mod error;
 pub mod frame_io;
 pub mod metrics;
 pub mod output;
+pub mod photons;
 pub mod probe;
 pub mod render;
 pub mod scene;

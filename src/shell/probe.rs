@@ -3,7 +3,7 @@
 use crate::error::Error;
 use crate::render;
 use crate::scene::LoadedScene;
-use crate::settings::{Method, Settings};
+use crate::settings::{Integrator, Method, Settings};
 use glam::Vec3;
 use pmcip_core::camera::Camera;
 use pmcip_core::scene::{Scattering, Scene};
@@ -24,7 +24,11 @@ const SPP: u32 = 16;
 pub fn look(scene: &LoadedScene, settings: &Settings) -> Result<Option<String>, Error> {
     let mut trial = Settings::new(scene, Method::Uniform, Some(SPP), Some((SIDE, SIDE)));
     (trial.view, trial.max_depth) = (settings.view, settings.max_depth);
-    trial.integrator = settings.integrator;
+    // Paths see what the photon map shows, without shooting it.
+    trial.integrator = match settings.integrator {
+        Integrator::Gather { .. } => Integrator::Path,
+        other => other,
+    };
     let frame = render::render(scene, &trial, Some(1), &|_| ())?;
     if frame.rgb.iter().flatten().any(|v| *v > 0.0) {
         return Ok(None);

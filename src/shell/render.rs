@@ -6,6 +6,7 @@
 
 use crate::error::Error;
 use crate::frame_io::Picture;
+use crate::photons::{Order, Photons, Shot};
 use crate::scene::LoadedScene;
 use crate::settings::{Integrator, Settings};
 use pmcip_core::batch::{Batch8, Integrand, Rgb8};
@@ -13,6 +14,7 @@ use pmcip_core::camera::Camera;
 use pmcip_core::sampler::{Jobs, Memory, Sampler, Tally, Workspace};
 use pmcip_core::scene::Scene;
 use pmcip_core::shade::direct::{DirectLighting, Samples};
+use pmcip_core::shade::gather::{Gather, Maps};
 use pmcip_core::shade::path::{Packet, PathTracer, Traffic};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde_json::Value;
@@ -35,6 +37,8 @@ pub struct Frame {
     pub alpha: Vec<f32>,
     /// Samples accepted and rejected.
     pub tally: Tally,
+    /// Photon maps that were shot, if any were.
+    pub photons: Option<Shot>,
     /// Mean part of a ray packet's lanes that carried a ray, 0 to 1.
     pub lane_occupancy: f64,
     /// Threads that worked.
@@ -83,7 +87,10 @@ pub fn render(
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<Frame, Error> {
     let start = Instant::now();
-    let crew = Crew::new(scene, settings, threads)?;
+    let pool = start_threads(threads)?;
+    let photons = shoot(scene, settings, pool.as_ref())?;
+    let maps = photons.as_ref().map(Photons::maps).transpose()?;
+    let crew = Crew::new(scene, settings, maps, pool)?;
     let (width, height) = (settings.sampler.width, settings.sampler.height);
     let required = Sampler::required(width, height);
     let (mut floats, mut words) = (zeros(required.floats)?, zeros(required.words)?);
@@ -97,8 +104,28 @@ pub fn render(
     }
     let mut frame = read_out(&sampler, settings)?;
     (frame.tally, frame.lane_occupancy) = (tally, crew.lane_occupancy());
+    frame.photons = photons.as_ref().map(Photons::shot);
     (frame.threads, frame.seconds) = (crew.workers.len(), start.elapsed().as_secs_f64());
     Ok(frame)
+}
+
+/// Threads for `threads`; none for a single one, which is the caller's.
+fn start_threads(threads: Option<usize>) -> Result<Option<ThreadPool>, Error> {
+    let build = || ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build();
+    let pool = (threads != Some(1)).then(build).transpose();
+    pool.map_err(|error| Error::Work(format!("cannot start threads: {error}")))
+}
+
+/// The photon maps that the integrator needs.
+fn shoot(
+    scene: &LoadedScene,
+    settings: &Settings,
+    pool: Option<&ThreadPool>,
+) -> Result<Option<Photons>, Error> {
+    let Integrator::Gather { photons, photon_seed } = settings.integrator else { return Ok(None) };
+    let (max_depth, frame) = (settings.max_depth, settings.sampler.frame);
+    let order = Order { photons, max_depth, seed: photon_seed, frame };
+    Photons::shoot(Scene::new(scene.data()).map_err(setting)?, &order, pool).map(Some)
 }
 
 /// Fetches the film's planes.
@@ -111,6 +138,7 @@ fn read_out(sampler: &Sampler<'_>, settings: &Settings) -> Result<Frame, Error> 
         count: zeros(pixels)?,
         alpha: zeros(pixels)?,
         tally: Tally::default(),
+        photons: None,
         lane_occupancy: 0.0,
         threads: 0,
         seconds: 0.0,
@@ -141,6 +169,8 @@ struct Crew<'a> {
     scene: Scene<'a>,
     camera: Camera,
     integrator: Integrator,
+    /// What [`Integrator::Gather`] looks up.
+    maps: Option<Maps<'a>>,
     max_depth: u32,
     /// None for a single worker, which works on the caller's thread.
     pool: Option<ThreadPool>,
@@ -156,13 +186,15 @@ struct Worker {
 }
 
 impl<'a> Crew<'a> {
-    fn new(scene: &'a LoadedScene, settings: &Settings, threads: Option<usize>) -> Result<Self, Error> {
+    fn new(
+        scene: &'a LoadedScene,
+        settings: &Settings,
+        maps: Option<Maps<'a>>,
+        pool: Option<ThreadPool>,
+    ) -> Result<Self, Error> {
         let view = &settings.view;
         let (width, height) = (settings.sampler.width, settings.sampler.height);
         let camera = Camera::new(view.from, view.at, view.up, view.fov, width, height).map_err(setting)?;
-        let build = || ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build();
-        let pool = (threads != Some(1)).then(build).transpose();
-        let pool = pool.map_err(|error| Error::Work(format!("cannot start threads: {error}")))?;
         let count = pool.as_ref().map_or(1, ThreadPool::current_num_threads);
         let workers = (0..count).map(|_| Mutex::new(Worker::new())).collect();
         let scene = Scene::new(scene.data()).map_err(setting)?;
@@ -170,6 +202,7 @@ impl<'a> Crew<'a> {
             scene,
             camera,
             integrator: settings.integrator,
+            maps,
             max_depth: settings.max_depth,
             pool,
             workers,
@@ -199,6 +232,12 @@ impl<'a> Crew<'a> {
             Integrator::Direct { light_samples, bsdf_samples } => {
                 let samples = Samples { light: light_samples, bsdf: bsdf_samples };
                 let mut tracer = DirectLighting::new(scene, camera, depth, samples, memory);
+                drain(jobs, &mut tracer, &mut work, progress);
+                tracer.traffic()
+            }
+            Integrator::Gather { .. } => {
+                let Some(maps) = self.maps else { return };
+                let mut tracer = Gather::new(scene, camera, depth, maps, memory);
                 drain(jobs, &mut tracer, &mut work, progress);
                 tracer.traffic()
             }
@@ -242,7 +281,7 @@ fn drain(
 }
 
 /// A lock whose data no panic can leave half done.
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 

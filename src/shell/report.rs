@@ -1,6 +1,7 @@
 //! What the commands print: the same facts as words and as JSON.
 
 use pmcip::metrics::{Metrics, luminance};
+use pmcip::photons::Shot;
 use pmcip::render::Frame;
 use pmcip::scene::LoadedScene;
 use pmcip::settings::{Settings, word};
@@ -21,6 +22,8 @@ pub struct Rendered<'a> {
     rejected: u64,
     estimated_relative_error: f64,
     lane_occupancy: f64,
+    #[serde(flatten)]
+    photons: Option<Photons>,
     files: &'a [PathBuf],
     warnings: &'a [String],
 }
@@ -38,9 +41,34 @@ impl<'a> Rendered<'a> {
             rejected: frame.tally.rejected,
             estimated_relative_error: relative_error(frame),
             lane_occupancy: frame.lane_occupancy,
+            photons: frame.photons.map(Photons::from),
             files,
             warnings: &scene.warnings,
         }
+    }
+}
+
+/// The photon maps of a frame.
+#[derive(Debug, Serialize)]
+struct Photons {
+    global_photons: usize,
+    caustic_photons: usize,
+    photon_seconds: f64,
+}
+
+impl From<Shot> for Photons {
+    fn from(shot: Shot) -> Photons {
+        Photons { global_photons: shot.global, caustic_photons: shot.caustic, photon_seconds: shot.seconds }
+    }
+}
+
+impl Display for Photons {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let Photons { global_photons, caustic_photons, photon_seconds } = self;
+        write!(
+            f,
+            "{photon_seconds:.2} s of them for {global_photons} photons and {caustic_photons} caustic ones"
+        )
     }
 }
 
@@ -72,6 +100,9 @@ impl Display for Rendered<'_> {
         let (seconds, occupancy) = (self.seconds, 100.0 * self.lane_occupancy);
         write!(f, "{seconds:.2} s on {} threads, {rate:.2} million samples/s, ", self.threads)?;
         writeln!(f, "{occupancy:.0} % of the lanes in use")?;
+        if let Some(photons) = &self.photons {
+            writeln!(f, "{photons}")?;
+        }
         let error = 100.0 * self.estimated_relative_error;
         writeln!(f, "estimated relative error {error:.2} % (RMS), {} samples rejected", self.rejected)?;
         let files: Vec<_> = self.files.iter().map(|file| file.display().to_string()).collect();

@@ -30,6 +30,10 @@ pub const MAX_DEPTH: u32 = 1024;
 pub const DEFAULT_LIGHT_SAMPLES: u32 = 8;
 /// Most light or bsdf samples of direct lighting.
 pub const MAX_LIGHT_SAMPLES: u32 = 1024;
+/// Photon paths where nobody says.
+pub const DEFAULT_PHOTONS: u32 = 200_000;
+/// Most photon paths: they take about 400 bytes each while they are shot.
+pub const MAX_PHOTONS: u32 = 20_000_000;
 
 /// How light is followed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,6 +48,13 @@ pub enum Integrator {
         /// Directions that each pixel sample draws from the scattering function, at least 1.
         bsdf_samples: u32,
     },
+    /// Photon mapping: all light, what comes after the first bounce from maps that are shot once a frame.
+    Gather {
+        /// Photon paths of the global map. The caustic map gets about half as many photons, if there are caustics.
+        photons: u32,
+        /// Seed of the maps: renders that differ in the sampler's seed alone share them.
+        photon_seed: u32,
+    },
 }
 
 impl Integrator {
@@ -54,15 +65,27 @@ impl Integrator {
             Integrator::Direct { light_samples, bsdf_samples } => {
                 json!({ "integrator": self.name(), "light_samples": light_samples, "bsdf_samples": bsdf_samples })
             }
+            Integrator::Gather { photons, photon_seed } => {
+                json!({ "integrator": self.name(), "photons": photons, "photon_seed": photon_seed })
+            }
         };
         object(list)
     }
 
-    /// Its name: the picture that it converges to depends on nothing else here.
+    /// Its name.
     pub fn name(self) -> &'static str {
         match self {
             Integrator::Path => "path",
             Integrator::Direct { .. } => "direct",
+            Integrator::Gather { .. } => "gather",
+        }
+    }
+
+    /// What the picture depends on that it converges to as samples grow.
+    pub fn limit(self) -> String {
+        match self {
+            Integrator::Path | Integrator::Direct { .. } => self.name().into(),
+            Integrator::Gather { photons, photon_seed } => format!("gather {photons} {photon_seed}"),
         }
     }
 }

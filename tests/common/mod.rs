@@ -106,6 +106,11 @@ pub fn inward_box(lower: [f32; 3], upper: [f32; 3]) -> Vec<Triangle> {
 /// Samples that an integrand is handed at once.
 const STREAM: usize = 2048;
 
+/// Memory for an integrator that works on a stream.
+pub fn packets() -> Vec<Packet> {
+    vec![Packet::default(); PathTracer::required(STREAM)]
+}
+
 /// A path traced picture made on one thread with the core alone: interleaved RGB, and how full the packets were.
 pub fn render(
     scene: Scene<'_>,
@@ -114,7 +119,7 @@ pub fn render(
     settings: Settings,
     schedule: Schedule,
 ) -> (Vec<f32>, Traffic) {
-    let mut packets = vec![Packet::default(); PathTracer::required(STREAM)];
+    let mut packets = packets();
     let mut tracer = PathTracer::new(scene, camera, max_depth, &mut packets);
     let rgb = render_with(&mut tracer, settings, schedule);
     (rgb, tracer.traffic())

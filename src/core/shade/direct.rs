@@ -136,7 +136,11 @@ fn nth(paths: &Paths, count: u32, number: u32) -> u32x8 {
 
 /// Traces a packet and adds what the surfaces that it meets emit; returns them, if there are any.
 #[inline(always)]
-fn arrive(tracer: &mut PathTracer<'_>, paths: &Paths, radiance: &mut [Rgb8]) -> Option<SurfacePoints> {
+pub(super) fn arrive(
+    tracer: &mut PathTracer<'_>,
+    paths: &Paths,
+    radiance: &mut [Rgb8],
+) -> Option<SurfacePoints> {
     let rays = paths.rays();
     tracer.traffic.packets += 1;
     tracer.traffic.rays += u64::from(paths.lanes);

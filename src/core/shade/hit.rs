@@ -1,6 +1,6 @@
 //! What the surface is like where eight rays meet it.
 
-use super::gather;
+use super::fetch;
 use crate::scene::{NO_TEXTURE, Scattering, Scene, SceneData, Texture};
 use crate::trace::{Hits8, MISS, Rays8};
 use crate::vec3::Vec3x8;
@@ -43,12 +43,12 @@ impl SurfacePoints {
         let triangle = (hits.triangle & hit).to_array();
         let weights = [f32x8::ONE - hits.u - hits.v, hits.u, hits.v];
 
-        let [a, b, c] = gather::corners(data, triangle);
+        let [a, b, c] = fetch::corners(data, triangle);
         let front = (b - a).cross(c - a).normalized();
         let cosine = -rays.direction.dot(front);
-        let surface = gather::surfaces(data, triangle);
+        let surface = fetch::surfaces(data, triangle);
         let normal = shading_normal(interpolate(surface.normals, weights), front, rays.direction);
-        let material = gather::materials(data, surface.material);
+        let material = fetch::materials(data, surface.material);
         let mut diffuse = material.diffuse;
         if material.texture.simd_ne(u32x8::splat(NO_TEXTURE)).any() {
             let mix = |[a, b, c]: [f32x8; 3]| a * weights[0] + b * weights[1] + c * weights[2];
@@ -87,7 +87,7 @@ impl SurfacePoints {
 
 /// Distance from the surface at which rays start, relative to the triangle's largest coordinate, on which the
 /// rounding of the intersection test depends: 32 units in the last place.
-const CLEARANCE: f32 = 1.0 / (1 << 18) as f32;
+pub(super) const CLEARANCE: f32 = 1.0 / (1 << 18) as f32;
 
 #[inline(always)]
 fn interpolate(corner: [Vec3x8; 3], weights: [f32x8; 3]) -> Vec3x8 {
@@ -96,7 +96,7 @@ fn interpolate(corner: [Vec3x8; 3], weights: [f32x8; 3]) -> Vec3x8 {
 
 /// The largest coordinate, in absolute value.
 #[inline(always)]
-fn largest(corners: [Vec3x8; 3]) -> f32x8 {
+pub(super) fn largest(corners: [Vec3x8; 3]) -> f32x8 {
     let of = |v: Vec3x8| v.x.abs().fast_max(v.y.abs()).fast_max(v.z.abs());
     of(corners[0]).fast_max(of(corners[1])).fast_max(of(corners[2]))
 }

@@ -5,7 +5,8 @@
 //! emitter by chance knows it without looking the light up. Many lights are picked by the
 //! [light tree](super::light_tree), if the scene has one. A point on a light is picked uniformly.
 
-use super::gather;
+use super::fetch;
+use super::hit;
 use super::light_tree::{self, Picked, Receiver, Root};
 use crate::scene::{Light, Material, Scene, SceneData, Surface, Triangle};
 use crate::vec3::{self, Vec3x8};
@@ -88,6 +89,8 @@ pub(super) struct LightPoints {
     pub radiance: Vec3x8,
     /// Density per unit area.
     pub density: f32x8,
+    /// Distance from the light at which rays that leave it start.
+    pub clearance: f32x8,
 }
 
 /// The lights as they are picked for eight receivers.
@@ -106,24 +109,30 @@ impl<'a> Lights<'a> {
         Lights { data, inverse_power: scene.inverse_power(), tree }
     }
 
+    /// The lights by power alone, without a receiver. The scene must have one.
+    pub fn by_power(scene: &'a Scene<'_>) -> Self {
+        Lights { data: scene.data(), inverse_power: scene.inverse_power(), tree: None }
+    }
+
     /// Picks points on the lights from uniform numbers `u`, `v` in `[0, 1)`.
     #[inline(always)]
     pub fn sample(&self, u: f32x8, v: f32x8) -> LightPoints {
         let data = self.data;
         let picked = self.tree.as_ref().map_or_else(|| by_power(data, u), |tree| tree.pick(u));
         let triangle = picked.light.map(|i| data.lights[i as usize].triangle);
-        let [a, b, c] = gather::corners(data, triangle);
+        let [a, b, c] = fetch::corners(data, triangle);
         let root = picked.again.sqrt();
         let position = a + (b - a) * (root * (f32x8::ONE - v)) + (c - a) * (root * v);
         let material = triangle.map(|i| data.surfaces[i as usize].material);
-        let radiance = gather::materials(data, material).emission;
+        let radiance = fetch::materials(data, material).emission;
         let across = (b - a).cross(c - a);
         let inverse = f32x8::ONE / across.length();
         let density = match self.tree {
             Some(_) => picked.probability * f32x8::splat(2.0) * inverse,
             None => luminance8(radiance) * f32x8::splat(self.inverse_power),
         };
-        LightPoints { position, normal: across * inverse, radiance, density }
+        let clearance = hit::largest([a, b, c]) * f32x8::splat(hit::CLEARANCE);
+        LightPoints { position, normal: across * inverse, radiance, density, clearance }
     }
 }
 

@@ -1,13 +1,15 @@
 //! From hits to radiance: materials, lights and the integrators that combine them.
 //!
-//! * `hit` – what the surface is like where a ray meets it; `gather` – how its records are fetched;
+//! * `hit` – what the surface is like where a ray meets it; `fetch` – how its records are fetched;
 //! * [`light`] – picking a point on an emitter; [`light_tree`] – picking the emitter where there are many;
 //! * `rough`, `specular` – the scattering functions;
 //! * `queue`, `shadow` – packets of paths and of shadow rays, kept full;
-//! * [`path`] – the path tracer; [`direct`] – direct lighting alone.
+//! * [`path`] – the path tracer; [`direct`] – direct lighting alone;
+//! * [`shoot`], [`gather`] – photons from the lights, and the integrator that looks them up.
 
 pub mod direct;
-mod gather;
+mod fetch;
+pub mod gather;
 mod hit;
 pub mod light;
 pub mod light_tree;
@@ -15,4 +17,5 @@ pub mod path;
 mod queue;
 mod rough;
 mod shadow;
+pub mod shoot;
 mod specular;

@@ -27,7 +27,7 @@ use wide::{f32x8, u32x8};
 pub use super::queue::Packet;
 
 /// Depth from which on paths may be ended by chance.
-const ROULETTE_DEPTH: u32 = 5;
+pub(super) const ROULETTE_DEPTH: u32 = 5;
 
 /// Largest probability of surviving the roulette.
 const MAX_SURVIVAL: f32 = 0.95;
@@ -171,7 +171,7 @@ impl<'a> PathTracer<'a> {
     }
 
     /// Queues a shadow ray and samples the next direction in the lanes of `rough`.
-    fn scatter_rough(
+    pub(super) fn scatter_rough(
         &mut self,
         next: &mut Paths,
         surface: &SurfacePoints,
@@ -347,7 +347,7 @@ pub(super) fn scatter_specular(next: &mut Paths, surface: &SurfacePoints, choice
 }
 
 /// Ends paths that carry nothing, and by chance those that carry little; returns the others.
-fn survivors(next: &mut Paths, hit: f32x8, depth: u32) -> f32x8 {
+pub(super) fn survivors(next: &mut Paths, hit: f32x8, depth: u32) -> f32x8 {
     let carried = next.throughput.max_component();
     let mut alive = hit & carried.simd_gt(f32x8::ZERO);
     if depth >= ROULETTE_DEPTH {
@@ -385,8 +385,18 @@ impl Frame {
         Vec3x8::new(v.dot(self.tangent), v.dot(self.bitangent), v.dot(self.normal))
     }
 
+    /// One lane's frame in all lanes.
     #[inline(always)]
-    fn to_world(&self, v: Vec3x8) -> Vec3x8 {
+    pub(super) fn lane(&self, lane: usize) -> Self {
+        Frame {
+            tangent: self.tangent.lane(lane),
+            bitangent: self.bitangent.lane(lane),
+            normal: self.normal.lane(lane),
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn to_world(&self, v: Vec3x8) -> Vec3x8 {
         self.tangent * v.x + self.bitangent * v.y + self.normal * v.z
     }
 }

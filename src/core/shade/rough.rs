@@ -48,6 +48,22 @@ impl Rough {
         }
     }
 
+    /// One lane's point in all lanes.
+    #[inline]
+    pub fn lane(&self, lane: usize) -> Self {
+        let splat = |v: f32x8| f32x8::splat(v.to_array()[lane & 7]);
+        let specular = self.specular.lane(lane);
+        Rough {
+            diffuse: self.diffuse.lane(lane),
+            specular,
+            alpha2: splat(self.alpha2),
+            alpha: splat(self.alpha),
+            outgoing: self.outgoing.lane(lane),
+            lobe: splat(self.lobe),
+            has_lobe: self.has_lobe && specular.max_component().simd_gt(f32x8::ZERO).any(),
+        }
+    }
+
     /// The scattering function times the cosine, and the density [`sample`](Self::sample) has, for `incoming`.
     /// Both zero below the horizon.
     #[inline]
@@ -118,7 +134,7 @@ fn schlick(normal: Vec3x8, cosine: f32x8) -> Vec3x8 {
 
 /// A direction whose density is cosine over π: a point of the unit disk (Shirley and Chiu 1997), lifted.
 #[inline]
-fn cosine_direction(u: f32x8, v: f32x8) -> Vec3x8 {
+pub(super) fn cosine_direction(u: f32x8, v: f32x8) -> Vec3x8 {
     let (two, one) = (f32x8::splat(2.0), f32x8::ONE);
     let (a, b) = (u * two - one, v * two - one);
     let wide = a.abs().simd_gt(b.abs());

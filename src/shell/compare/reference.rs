@@ -171,6 +171,6 @@ pub fn fingerprint(scene: &LoadedScene, settings: &Settings) -> String {
     add(&scene.cd_per_unit.to_le_bytes());
     let numbers = [settings.sampler.width, settings.sampler.height, settings.max_depth];
     add(bytemuck::cast_slice(&numbers));
-    add(settings.integrator.name().as_bytes());
+    add(settings.integrator.limit().as_bytes());
     hash.finalize().to_hex().to_string()
 }
