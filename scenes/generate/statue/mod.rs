@@ -25,7 +25,7 @@ pub const SOURCES: &str = concat!(
 /// Side of a cell in metres at detail 1: about 500,000 triangles.
 const STEP: f32 = 0.007;
 /// Half the side of the floor in metres, along x and z.
-const FLOOR: (f32, f32) = (9.0, 6.0);
+const FLOOR: (f32, f32) = (14.0, 14.0);
 
 /// Height of the seat above the floor.
 const SEAT: f32 = 0.72;
