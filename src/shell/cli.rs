@@ -3,6 +3,7 @@
 use clap::error::ErrorKind;
 use clap::{Args, Parser, Subcommand};
 use pmcip::compare::Variant;
+use pmcip::sequence;
 use pmcip::settings::{Estimate, MAX_DEPTH, Method};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -19,8 +20,8 @@ pub struct Arguments {
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Render one frame of a scene to an EXR and a PNG file
-    Render(Render),
+    /// Render a scene, or frames of an animation, to EXR and PNG files
+    Render(Box<Render>),
     /// Render a reference: uniform samples, EXR only, with the variance of every pixel
     Reference(Reference),
     /// Measure methods against each other: error against time and samples, as a page, JSON and CSV
@@ -60,7 +61,22 @@ pub struct Render {
     /// Brightness of the PNG in stops: each doubles it
     #[arg(long, value_name = "EV", default_value_t = 0.0, allow_hyphen_values = true, value_parser = finite)]
     pub exposure: f32,
-    /// Print one JSON object instead of words
+    /// Frames of an animation, first and last included: A..B, an open end being the scene's, or one number
+    ///
+    /// Frame 7 goes to NAME.0007.exr and NAME.0007.png. Frames that are there already, made with the same settings
+    /// of the same scene, are kept: an interrupted run goes on where it stopped. Frames made otherwise are an error.
+    #[arg(long, value_name = "A..B", verbatim_doc_comment)]
+    pub frames: Option<sequence::Range>,
+    /// Overwrite frames that were made with other settings
+    #[arg(long, requires = "frames")]
+    pub overwrite: bool,
+    /// Video of the frames to make with ffmpeg, if that is installed (H.264)
+    #[arg(long, value_name = "OUT.mp4", value_parser = mp4_path, requires = "frames")]
+    pub video: Option<PathBuf>,
+    /// Frames a second of the video [default: the scene's, or 24]
+    #[arg(long, value_name = "N", value_parser = fps, requires = "video")]
+    pub fps: Option<f32>,
+    /// Print one JSON object instead of words; with --frames one line for each frame
     #[arg(long)]
     pub json: bool,
 }
@@ -196,6 +212,17 @@ fn exr_path(text: &str) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);
     let is_exr = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr"));
     if is_exr { Ok(path) } else { Err("the name must end in .exr".into()) }
+}
+
+fn mp4_path(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    let is_mp4 = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("mp4"));
+    if is_mp4 { Ok(path) } else { Err("the name must end in .mp4".into()) }
+}
+
+fn fps(text: &str) -> Result<f32, String> {
+    let number = finite(text).ok().filter(|number| (0.01..=1000.0).contains(number));
+    number.ok_or_else(|| "expected a number from 0.01 to 1000".into())
 }
 
 fn size(text: &str) -> Result<(u32, u32), String> {

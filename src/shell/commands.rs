@@ -1,13 +1,13 @@
 //! The commands: read, work, write, report.
 
 use crate::cli::{Command, Common, Compare, Info, Measure, Reference, Render};
-use crate::{progress, report};
+use crate::{animate, progress, report};
 use pmcip::compare::report::{FILES, Report};
 use pmcip::compare::{self, Plan, reference};
 use pmcip::error::Error;
 use pmcip::frame_io::{self, Picture};
 use pmcip::render::{self, Frame};
-use pmcip::scene::{self, LoadedScene, View};
+use pmcip::scene::{self, Animation, LoadedScene, View};
 use pmcip::settings::{Method, Settings};
 use pmcip::{metrics, output, probe};
 use std::fs;
@@ -26,19 +26,22 @@ pub struct Failure {
 }
 
 /// Blames the input.
-fn bad(reason: impl ToString) -> Failure {
+pub fn bad(reason: impl ToString) -> Failure {
     Failure { code: 2, message: reason.to_string() }
 }
 
 /// Blames the work.
-fn failed(reason: impl ToString) -> Failure {
+pub fn failed(reason: impl ToString) -> Failure {
     Failure { code: 1, message: reason.to_string() }
 }
 
 /// Runs a command.
 pub fn run(command: Command) -> Result<(), Failure> {
     match command {
-        Command::Render(arguments) => render_frame(&arguments),
+        Command::Render(arguments) => match arguments.frames {
+            Some(range) => animate::render_frames(&arguments, range),
+            None => render_frame(&arguments),
+        },
         Command::Reference(arguments) => render_reference(&arguments),
         Command::Compare(arguments) => compare_methods(&arguments),
         Command::Error(arguments) => measure(&arguments),
@@ -47,14 +50,11 @@ pub fn run(command: Command) -> Result<(), Failure> {
 }
 
 fn render_frame(arguments: &Render) -> Result<(), Failure> {
-    let scene = load(&arguments.common)?;
-    let exr = arguments.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.exr", scene.name)));
+    let scene = load(&arguments.common)?.into_scene();
+    let exr = output_name(arguments, &scene);
     let png = exr.with_extension("png");
     [&exr, &png].into_iter().try_for_each(|path| output::check(path)).map_err(bad)?;
-    let mut settings = settings(&scene, &arguments.common, arguments.sampler, arguments.spp);
-    settings.iterations = arguments.iterations.unwrap_or(settings.iterations);
-    settings.sampler.gamma = arguments.gamma.unwrap_or(settings.sampler.gamma);
-    settings.set_estimator(arguments.estimator.map_or(settings.sampler.estimator, Into::into));
+    let settings = render_settings(&scene, arguments);
     let frame = work(&scene, &settings, &arguments.common)?;
     let picture = frame.picture(&settings, &scene);
     frame_io::write_exr(&exr, &picture).map_err(failed)?;
@@ -65,8 +65,22 @@ fn render_frame(arguments: &Render) -> Result<(), Failure> {
     Ok(())
 }
 
+/// The file that is asked for, or one named after the scene.
+pub fn output_name(arguments: &Render, scene: &LoadedScene) -> PathBuf {
+    arguments.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.exr", scene.name)))
+}
+
+/// The settings of `render`.
+pub fn render_settings(scene: &LoadedScene, arguments: &Render) -> Settings {
+    let mut settings = settings(scene, &arguments.common, arguments.sampler, arguments.spp);
+    settings.iterations = arguments.iterations.unwrap_or(settings.iterations);
+    settings.sampler.gamma = arguments.gamma.unwrap_or(settings.sampler.gamma);
+    settings.set_estimator(arguments.estimator.map_or(settings.sampler.estimator, Into::into));
+    settings
+}
+
 fn render_reference(arguments: &Reference) -> Result<(), Failure> {
-    let scene = load(&arguments.common)?;
+    let scene = load(&arguments.common)?.into_scene();
     output::check(&arguments.output).map_err(bad)?;
     let settings = settings(&scene, &arguments.common, Method::Uniform, Some(arguments.spp));
     let frame = work(&scene, &settings, &arguments.common)?;
@@ -77,13 +91,14 @@ fn render_reference(arguments: &Reference) -> Result<(), Failure> {
 }
 
 /// Loads a scene that can be rendered, and passes on what the loader noticed.
-fn load(common: &Common) -> Result<LoadedScene, Failure> {
-    let scene = scene::load(&common.scene).map_err(bad)?;
+pub fn load(common: &Common) -> Result<Animation, Failure> {
+    let animation = Animation::load(&common.scene).map_err(bad)?;
+    let scene = animation.scene();
     if !common.quiet {
         scene.warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
     }
     scene.require_light().map_err(bad)?;
-    Ok(scene)
+    Ok(animation)
 }
 
 /// The settings of the command and the scene, with the method's defaults for the rest.
@@ -101,19 +116,25 @@ fn settings(scene: &LoadedScene, common: &Common, method: Method, spp: Option<u3
 }
 
 fn work(scene: &LoadedScene, settings: &Settings, common: &Common) -> Result<Frame, Failure> {
-    if let Some(warning) = probe::look(scene, settings).map_err(blame)?
-        && !common.quiet
-    {
-        eprintln!("warning: {warning}");
-    }
+    look(scene, settings, common)?;
     let bar = progress::bar(settings.pixels(), u64::from(settings.spp), common.quiet);
     let frame = render::render(scene, settings, common.threads, &|samples| bar.inc(samples));
     bar.finish_and_clear();
     frame.map_err(blame)
 }
 
+/// Looks whether the camera can see anything.
+pub fn look(scene: &LoadedScene, settings: &Settings, common: &Common) -> Result<(), Failure> {
+    if let Some(warning) = probe::look(scene, settings).map_err(blame)?
+        && !common.quiet
+    {
+        eprintln!("warning: {warning}");
+    }
+    Ok(())
+}
+
 /// Blames the input for a setting that the core refuses or a picture that does not fit, else the work.
-fn blame(error: Error) -> Failure {
+pub fn blame(error: Error) -> Failure {
     match error {
         Error::Read { .. } | Error::Setting(_) | Error::Sizes { .. } | Error::NotFinite { .. } => bad(error),
         _ => failed(error),
@@ -130,7 +151,7 @@ fn print(common: &Common, json: bool, report: &report::Rendered) {
 
 fn compare_methods(arguments: &Compare) -> Result<(), Failure> {
     let common = &arguments.common;
-    let scene = load(common)?;
+    let scene = load(common)?.into_scene();
     prepare(&arguments.output)?;
     let base = settings(&scene, common, Method::Uniform, None);
     let plan = Plan::new(&arguments.methods, &arguments.spp, arguments.runs, base, common.threads);
@@ -224,7 +245,7 @@ fn print_json(report: &impl serde::Serialize) {
     say(&serde_json::to_string_pretty(report).unwrap_or_default());
 }
 
-fn say(text: &str) {
+pub fn say(text: &str) {
     // A reader that has closed the pipe has read enough.
     let _ = writeln!(std::io::stdout(), "{}", text.trim_end());
 }

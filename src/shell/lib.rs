@@ -4,7 +4,7 @@
 //! the core renders them on all threads ([`render`]) as the
 //! [`settings`] say, and the frame goes to disk as EXR and PNG ([`frame_io`], through [`mod@output`], which never
 //! leaves half a file) or is measured against a reference ([`metrics`]); [`compare`] does so for many methods and
-//! reports. The program `pmcip` puts a command line before this and adds nothing to it. The formulas of sampling and
+//! reports. An animation is a sequence of such frames ([`sequence`]), and a [`video`] for people. The program `pmcip` puts a command line before this and adds nothing to it. The formulas of sampling and
 //! shading are all in the core.
 
 pub mod compare;
@@ -15,4 +15,6 @@ pub mod output;
 pub mod probe;
 pub mod render;
 pub mod scene;
+pub mod sequence;
 pub mod settings;
+pub mod video;

@@ -15,6 +15,7 @@ use pmcip_core::scene::Scene;
 use pmcip_core::shade::path::{Packet, PathTracer, Traffic};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde_json::Value;
+use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
@@ -47,16 +48,21 @@ impl Frame {
     pub fn picture(&self, settings: &Settings, scene: &LoadedScene) -> Picture {
         let count = self.count.iter().map(|n| *n as f32).collect();
         let planes = [("variance", self.variance.clone()), ("count", count), ("alpha", self.alpha.clone())];
-        let mut settings_by_name = settings.list();
-        settings_by_name.insert("scene".into(), Value::String(scene.name.clone()));
         Picture {
             width: settings.sampler.width,
             height: settings.sampler.height,
             rgb: self.rgb.clone(),
             planes: planes.into_iter().map(|(name, plane)| (name.to_owned(), plane)).collect(),
-            attributes: settings_by_name.into_iter().map(|(name, value)| (name, plain(value))).collect(),
+            attributes: attributes(scene, settings),
         }
     }
+}
+
+/// Every setting of a frame by name, as its file has them, and the scene's name.
+pub fn attributes(scene: &LoadedScene, settings: &Settings) -> BTreeMap<String, String> {
+    let mut settings_by_name = settings.list();
+    settings_by_name.insert("scene".into(), Value::String(scene.name.clone()));
+    settings_by_name.into_iter().map(|(name, value)| (name, plain(value))).collect()
 }
 
 /// A setting as the command line takes it: no quotes, no brackets.

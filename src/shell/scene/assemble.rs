@@ -1,21 +1,15 @@
-//! Collects triangles, materials and textures from all sources and puts the scene together.
+//! Collects triangles, materials and textures from all sources: a scene in the making.
 
-use super::place::Placement;
+use super::animation::Script;
+use super::pose::{Object, Piece};
 use super::texture::TextureCache;
-use super::{Error, LoadedScene, View, bvh};
+use super::{Animation, Error, LoadedScene, View, pose};
 use glam::{Vec2, Vec3};
-use pmcip_core::scene::{Material, Surface, Triangle};
-use pmcip_core::shade::light;
+use pmcip_core::scene::Material;
 use std::path::Path;
 
 /// The vertical field of view of the automatic camera: that of the Cornell box.
 pub(super) const DEFAULT_FOV: f32 = 39.3;
-
-/// The height of a triangle over its longest edge below which it is a line to `f32` arithmetic.
-const DEGENERATE_HEIGHT: f64 = 1e-6;
-
-/// How far a shading normal may lean towards the back: its least cosine with the geometric normal.
-const LEAST_COSINE: f32 = 0.01;
 
 /// A corner of a triangle; a zero normal means that the source has none.
 #[derive(Clone, Copy, Debug, Default)]
@@ -45,18 +39,10 @@ impl Default for Shot {
 /// A scene in the making.
 #[derive(Debug, Default)]
 pub(super) struct Assembly {
-    triangles: Vec<Triangle>,
-    surfaces: Vec<Surface>,
+    objects: Vec<Object>,
     materials: Vec<Material>,
     pub textures: TextureCache,
     warnings: Vec<String>,
-}
-
-/// What was odd about the triangles of one mesh.
-#[derive(Debug, Default)]
-pub(super) struct Oddities {
-    degenerate: usize,
-    backward: usize,
 }
 
 impl Assembly {
@@ -73,118 +59,52 @@ impl Assembly {
         }
     }
 
-    /// Adds a triangle, or counts it if it has no area.
-    pub fn add(&mut self, corners: [Corner; 3], placement: &Placement, material: u32, odd: &mut Oddities) {
-        let mut placed = corners.map(|c| Corner {
-            position: placement.position(c.position),
-            normal: placement.normal(c.normal).normalize_or_zero(),
-            uv: c.uv,
-        });
-        if placement.is_mirrored() {
-            placed.swap(1, 2);
-        }
-        let positions = placed.map(|c| c.position);
-        let Some(front) = front_of(positions) else {
-            odd.degenerate += 1;
-            return;
-        };
-        let normals = shading_normals(placed.map(|c| c.normal), front, odd);
-        self.triangles.push(Triangle { corners: positions.map(|p| p.to_array()) });
-        self.surfaces.push(Surface {
-            normals: normals.map(|n| n.to_array()),
-            uv: placed.map(|c| c.uv.to_array()),
-            material,
-        });
+    /// Begins an object that stands in the file `source`: all triangles up to the next one move together.
+    pub fn begin(&mut self, source: &Path) {
+        self.objects.push(Object { source: source.to_owned(), pieces: Vec::new() });
     }
 
-    /// Reports what was odd about a mesh.
-    pub fn warn_oddities(&mut self, path: &Path, odd: Oddities) {
-        let name = path.display();
-        if odd.degenerate > 0 {
-            self.warn(format!("{name}: {} triangles without area left out", odd.degenerate));
-        }
-        if odd.backward > 0 {
-            let count = odd.backward;
-            self.warn(format!("{name}: {count} triangles have normals on the back of their winding; turned"));
+    /// Adds a triangle to the object begun last.
+    pub fn add(&mut self, corners: [Corner; 3], material: u32) {
+        if let Some(object) = self.objects.last_mut() {
+            object.pieces.push(Piece { corners, material });
         }
     }
 
-    /// Builds the hierarchy and the lights, and frames the view if there is none.
-    pub fn finish(mut self, path: &Path, shot: Shot) -> Result<LoadedScene, Error> {
-        if self.triangles.is_empty() {
-            return Err(Error::in_file(path, "the scene is empty: no triangle has an area"));
-        }
-        let bounds = self.bounds();
-        if !(bounds.0.is_finite() && bounds.1.is_finite()) {
-            return Err(Error::in_file(path, "a transform moves a vertex to infinity"));
-        }
-        let bvh = bvh::build(&self.triangles);
-        self.triangles = bvh.order.iter().map(|&i| self.triangles[i as usize]).collect();
-        self.surfaces = bvh.order.iter().map(|&i| self.surfaces[i as usize]).collect();
-        let mut lights = vec![Default::default(); light::count(&self.surfaces, &self.materials)];
-        let used = light::build(&self.triangles, &self.surfaces, &self.materials, &mut lights);
-        lights.truncate(used);
+    /// Poses all objects for the first frame of `script`, and frames the view if there is none.
+    pub fn finish(self, path: &Path, shot: Shot, script: Script) -> Result<Animation, Error> {
+        let frame = script.first_frame();
+        let placements = script.placements(frame).map_err(|m| Error::in_file(path, m))?;
+        let geometry = pose::pose(&self.objects, &placements).map_err(|m| Error::in_file(path, m))?;
         let (textures, texels) = self.textures.into_parts();
-        Ok(LoadedScene {
+        let framed = || frame_view(geometry.bounds, shot.width, shot.height);
+        let mut scene = LoadedScene {
             name: path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
             path: path.to_owned(),
-            nodes: bvh.nodes,
-            triangles: self.triangles,
-            surfaces: self.surfaces,
+            nodes: geometry.nodes,
+            triangles: geometry.triangles,
+            surfaces: geometry.surfaces,
+            objects: geometry.objects,
+            placements,
             materials: self.materials,
             textures,
             texels,
-            lights,
-            view: shot.view.unwrap_or_else(|| frame(bounds, shot.width, shot.height)),
+            lights: Vec::new(),
+            view: shot.view.unwrap_or_else(framed),
             width: shot.width,
             height: shot.height,
             cd_per_unit: shot.cd_per_unit,
             spp: shot.spp,
             max_depth: shot.max_depth,
             warnings: self.warnings,
-        })
+        };
+        geometry.warnings.into_iter().for_each(|warning| scene.warn(warning));
+        Animation::new(scene, self.objects, script, frame)
     }
-
-    /// The box around all triangles.
-    fn bounds(&self) -> (Vec3, Vec3) {
-        let positions = self.triangles.iter().flat_map(|t| t.corners).map(Vec3::from);
-        positions.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)))
-    }
-}
-
-/// The unit normal of the side from which the corners run counter-clockwise; none without an area.
-fn front_of([a, b, c]: [Vec3; 3]) -> Option<Vec3> {
-    let (u, v) = ((b - a).as_dvec3(), (c - a).as_dvec3());
-    let area = u.cross(v);
-    let longest_squared = u.length_squared().max(v.length_squared()).max((u - v).length_squared());
-    let slender = area.length() <= DEGENERATE_HEIGHT * longest_squared;
-    let in_f32 = (b - a).cross(c - a).length_squared();
-    (!slender && in_f32.is_normal()).then(|| area.normalize().as_vec3())
-}
-
-/// Normals on the front side, or none if a corner has none.
-fn shading_normals(normals: [Vec3; 3], front: Vec3, odd: &mut Oddities) -> [Vec3; 3] {
-    if normals.iter().any(|n| *n == Vec3::ZERO || !n.is_finite()) {
-        return [Vec3::ZERO; 3];
-    }
-    let backward = normals.iter().map(|n| n.dot(front)).sum::<f32>() < 0.0;
-    odd.backward += usize::from(backward);
-    let sign = if backward { -1.0 } else { 1.0 };
-    normals.map(|n| raised(sign * n, front))
-}
-
-/// A normal that leans to the back, raised to the front.
-fn raised(normal: Vec3, front: Vec3) -> Vec3 {
-    let cosine = normal.dot(front);
-    if cosine >= LEAST_COSINE {
-        return normal;
-    }
-    let along = (normal - cosine * front).normalize_or_zero();
-    along * (1.0 - LEAST_COSINE * LEAST_COSINE).sqrt() + front * LEAST_COSINE
 }
 
 /// A view along −z that holds the whole box.
-fn frame((low, high): (Vec3, Vec3), width: u32, height: u32) -> View {
+fn frame_view((low, high): (Vec3, Vec3), width: u32, height: u32) -> View {
     const MARGIN: f32 = 1.05;
     let centre = 0.5 * (low + high);
     let half = 0.5 * (high - low);
