@@ -149,7 +149,10 @@ pub struct Compare {
     /// Renders of each method at each sample count, all with different seeds
     #[arg(long, value_name = "R", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub runs: u32,
-    /// Image to judge by [default: rendered, and kept in the folder]
+    /// Frames of an animation, first and last included: adds flicker and curves over frames
+    #[arg(long, value_name = "A..B")]
+    pub frames: Option<sequence::Range>,
+    /// Image to judge by [default: rendered, and kept in the folder]; of frames the name without number
     #[arg(long, value_name = "REF.exr", conflicts_with = "reference_spp")]
     pub reference: Option<PathBuf>,
     /// Samples per pixel of the rendered reference

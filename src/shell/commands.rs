@@ -3,7 +3,7 @@
 use crate::cli::{Command, Common, Compare, Info, Measure, Reference, Render};
 use crate::{animate, progress, report};
 use pmcip::compare::report::{FILES, Report};
-use pmcip::compare::{self, Plan, reference};
+use pmcip::compare::{self, Comparison, Moving, Plan, Shot, Stage, Still, reference};
 use pmcip::error::Error;
 use pmcip::frame_io::{self, Picture};
 use pmcip::render::{self, Frame};
@@ -12,6 +12,7 @@ use pmcip::settings::{Method, Settings};
 use pmcip::{metrics, output, probe};
 use std::fs;
 use std::io::Write;
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 /// Luminance of radiance 1 in cd/m², for images that do not say.
@@ -151,20 +152,60 @@ fn print(common: &Common, json: bool, report: &report::Rendered) {
 
 fn compare_methods(arguments: &Compare) -> Result<(), Failure> {
     let common = &arguments.common;
-    let scene = load(common)?.into_scene();
+    let mut animation = load(common)?;
     prepare(&arguments.output)?;
-    let base = settings(&scene, common, Method::Uniform, None);
-    let plan = Plan::new(&arguments.methods, &arguments.spp, arguments.runs, base, common.threads);
-    let reference = find_reference(&scene, &base, arguments)?;
-    let bar = progress::bar(base.pixels(), plan.total_spp(), common.quiet);
-    let comparison = compare::run(&scene, &plan, &reference.picture, &|samples| bar.inc(samples));
+    match arguments.frames {
+        Some(range) => {
+            let frames = range.within(animation.frames().map(|f| (f.first, f.last))).map_err(bad)?;
+            compare_sequence(arguments, &mut animation, frames)
+        }
+        None => compare_still(arguments, animation.scene()),
+    }
+}
+
+fn compare_still(arguments: &Compare, scene: &LoadedScene) -> Result<(), Failure> {
+    let base = settings(scene, &arguments.common, Method::Uniform, None);
+    let reference = find_reference(scene, &base, arguments)?;
+    let mut stage = Still(Shot { scene, base, reference: &reference.picture });
+    let (plan, comparison) = run_plan(arguments, &mut stage, base)?;
+    finish_report(arguments, Report::new(scene, &plan, &reference, &comparison))
+}
+
+fn compare_sequence(
+    arguments: &Compare,
+    animation: &mut Animation,
+    frames: RangeInclusive<u32>,
+) -> Result<(), Failure> {
+    let base = |scene: &LoadedScene| settings(scene, &arguments.common, Method::Uniform, None);
+    let own = arguments.output.join(reference::FILE);
+    let references = arguments.reference.clone().unwrap_or(own);
+    let reference = Picture::default();
+    let mut stage = Moving { animation, frames: frames.clone(), base: &base, references, reference };
+    let reference = find_references(arguments, &mut stage)?;
+    let (_, base) = stage.seek(*frames.start()).map_err(blame)?;
+    let (plan, comparison) = run_plan(arguments, &mut stage, base)?;
+    finish_report(arguments, Report::new(stage.animation.scene(), &plan, &reference, &comparison))
+}
+
+/// Renders and measures everything.
+fn run_plan(
+    arguments: &Compare,
+    stage: &mut dyn Stage,
+    base: Settings,
+) -> Result<(Plan, Comparison), Failure> {
+    let plan = Plan::new(&arguments.methods, &arguments.spp, arguments.runs, base, arguments.common.threads);
+    let frames = stage.frames().count();
+    let bar = progress::bar(base.pixels(), plan.total_spp(frames), arguments.common.quiet);
+    let comparison = compare::run(stage, &plan, &|samples| bar.inc(samples));
     bar.finish_and_clear();
-    let comparison = comparison.map_err(blame)?;
-    let report = Report::new(&scene, &plan, &reference, &comparison);
+    Ok((plan, comparison.map_err(blame)?))
+}
+
+fn finish_report(arguments: &Compare, report: Report) -> Result<(), Failure> {
     report.write(&arguments.output).map_err(failed)?;
     if arguments.json {
         print_json(&report);
-    } else if !common.quiet {
+    } else if !arguments.common.quiet {
         say(&format!("{report}the report is {}", arguments.output.join(FILES[2]).display()));
     }
     Ok(())
@@ -186,28 +227,69 @@ fn find_reference(
     arguments: &Compare,
 ) -> Result<reference::Reference, Failure> {
     use reference::Reference;
-    let (common, folder, spp) = (&arguments.common, &arguments.output, arguments.reference_spp);
+    let (common, spp) = (&arguments.common, arguments.reference_spp);
     if let Some(file) = &arguments.reference {
         return Reference::read(file, base, scene.cd_per_unit).map_err(blame);
     }
-    let note = |text: String| {
-        if !common.quiet {
-            eprintln!("{text}")
-        }
-    };
-    match Reference::find(folder, scene, base, spp) {
+    let file = arguments.output.join(reference::FILE);
+    match Reference::find(&file, scene, base, spp) {
         Ok(reference) => {
-            note(format!("uses the reference in {}", reference.file.display()));
+            note(common, format!("uses the reference in {}", reference.file.display()));
             Ok(reference)
         }
         Err(reason) => {
-            note(format!("renders the reference with {spp} samples a pixel: {reason}"));
+            note(common, format!("renders the reference with {spp} samples a pixel: {reason}"));
             let bar = progress::bar(base.pixels(), u64::from(spp), common.quiet);
             let inc = |samples| bar.inc(samples);
-            let reference = Reference::render(folder, scene, base, spp, common.threads, &inc);
+            let reference = Reference::render(&file, scene, base, spp, common.threads, &inc);
             bar.finish_and_clear();
             reference.map_err(blame)
         }
+    }
+}
+
+/// Makes sure that every frame has its reference, and returns that of the first.
+fn find_references(arguments: &Compare, stage: &mut Moving) -> Result<reference::Reference, Failure> {
+    use reference::Reference;
+    let (common, spp) = (&arguments.common, arguments.reference_spp);
+    let frames = stage.frames();
+    let pixels = stage.seek(*frames.start()).map_err(blame)?.1.pixels();
+    let bar = progress::bar(pixels, u64::from(spp) * frames.clone().count() as u64, common.quiet);
+    let (mut first, mut reused) = (None, 0);
+    for frame in frames.clone() {
+        let file = reference::of_frame(&stage.references, frame);
+        let (scene, base) = stage.seek(frame).map_err(blame)?;
+        let found = match &arguments.reference {
+            Some(_) => Reference::read(&file, &base, scene.cd_per_unit).map_err(blame)?,
+            None => match Reference::find(&file, scene, &base, spp) {
+                Ok(found) => {
+                    bar.inc(pixels * u64::from(spp));
+                    reused += 1;
+                    found
+                }
+                Err(_) => Reference::render(&file, scene, &base, spp, common.threads, &|n| bar.inc(n))
+                    .map_err(blame)?,
+            },
+        };
+        first.get_or_insert(found);
+    }
+    bar.finish_and_clear();
+    if arguments.reference.is_none() {
+        let rendered = frames.count() - reused;
+        note(
+            common,
+            format!(
+                "uses {reused} references of the folder, has rendered {rendered} of {spp} samples a pixel"
+            ),
+        );
+    }
+    first.ok_or_else(|| bad("there are no frames"))
+}
+
+/// Says something beside the results.
+fn note(common: &Common, text: String) {
+    if !common.quiet {
+        eprintln!("{text}")
     }
 }
 

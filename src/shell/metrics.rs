@@ -9,6 +9,7 @@
 //! - **Energy bias**: Σe/Σref in luminance, with its standard error.
 //! - **Oracle ratio**: |P|·Σσ²w/(Σσ√w)², w = 1/tvi: what the best allocation for known variances gains over uniform
 //!   sampling in Err.
+//! - **Flicker**, of two frames of an animation: mean of (e_t − e_{t−1})²/tvi(L).
 //!
 //! ```
 //! use pmcip::{frame_io::Picture, metrics::measure};
@@ -81,6 +82,43 @@ pub fn measure(image: &Picture, reference: &Picture, cd_per_unit: f64) -> Result
         energy_bias_stderr,
         oracle_ratio: sample_variance(reference).map(|variance| oracle_ratio(&variance, &truth, cd_per_unit)),
     })
+}
+
+/// The luminance error of every pixel of a frame, for [`flicker`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Errors {
+    error: Vec<f64>,
+    truth: Vec<f64>,
+}
+
+impl Errors {
+    /// The errors of `image` against `reference`, which must have the same size.
+    ///
+    /// # Errors
+    /// As [`measure`].
+    pub fn new(image: &Picture, reference: &Picture) -> Result<Errors, Error> {
+        check(image, reference)?;
+        let truth: Vec<f64> = reference.rgb.iter().map(|&rgb| luminance(rgb)).collect();
+        let error = image.rgb.iter().zip(&truth).map(|(&rgb, truth)| luminance(rgb) - truth).collect();
+        Ok(Errors { error, truth })
+    }
+}
+
+/// Flicker from one frame to the next: mean over pixels of (e_t − e_{t−1})²/tvi(L), L the mean of the two references.
+///
+/// Where two frames have independent noise it is about the sum of their Err; noise that stays the same does not
+/// flicker. (With the later reference alone as L, noise of a bright object would be judged by a black background that
+/// it has just uncovered.) Frames of different sizes have none: not a number.
+pub fn flicker(before: &Errors, now: &Errors, cd_per_unit: f64) -> f64 {
+    if before.error.len() != now.error.len() {
+        return f64::NAN;
+    }
+    let pairs = |a: &[f64], b: &[f64], f: fn(f64, f64) -> f64| -> Vec<f64> {
+        a.iter().zip(b).map(|(a, b)| f(*a, *b)).collect()
+    };
+    let change = pairs(&now.error, &before.error, |now, before| now - before);
+    let level = pairs(&now.truth, &before.truth, |now, before| 0.5 * (now + before));
+    err(&change, &level, cd_per_unit)
 }
 
 /// Luminance of linear Rec. 709 colour.
