@@ -119,6 +119,28 @@ fn frames_made_otherwise_are_not_lost() {
 }
 
 #[test]
+fn frames_that_end_early_pass_on_how_long_they_took() {
+    let room = room();
+    let render = "render walk.toml --frames 1..4 --target-err 20 --spp 200 --json";
+    let all = lines(&success(room.path(), render));
+    let spent: Vec<f64> = all.iter().map(|line| line["spent_spp"].as_f64().unwrap()).collect();
+    assert!(spent.iter().all(|spp| (8.0..200.0).contains(spp)), "{spent:?}");
+    assert!(all.iter().all(|line| line["estimated_err"].as_f64().unwrap() < 20.0));
+    let expected: Vec<Option<f64>> =
+        all.iter().map(|line| line["settings"]["expected_spp"].as_f64()).collect();
+    assert_eq!(expected, [None, Some(spent[0]), Some(spent[1]), Some(spent[2])]);
+    // A frame that is rendered again learns from the file of the one before.
+    let before = bytes(room.path(), "walk.0003.exr");
+    fs::remove_file(room.path().join("walk.0003.exr")).unwrap();
+    success(room.path(), render);
+    assert_eq!(before, bytes(room.path(), "walk.0003.exr"));
+    failure(room.path(), "render walk.toml --target-err 0", 2, "above 0");
+    failure(room.path(), "render walk.toml --target-err 1 --iterations 3", 2, "--iterations");
+    let said = success(room.path(), "render walk.toml --target-err 20 --spp 200");
+    assert!(said.contains("at most 200 samples per pixel") && said.contains("estimated Err"), "{said}");
+}
+
+#[test]
 fn ranges_that_make_no_sense_are_refused() {
     let room = room();
     let still = SCENE.replace("[frames]\nfirst = 1\nlast = 4\nfps = 12\n", "").replace("keys", "#");

@@ -5,7 +5,7 @@ use crate::commands::{Failure, bad, blame, failed, load, look, output_name, rend
 use crate::{progress, report};
 use indicatif::ProgressBar;
 use pmcip::compare::reference::fingerprint;
-use pmcip::frame_io::{self, Picture};
+use pmcip::frame_io;
 use pmcip::output;
 use pmcip::render;
 use pmcip::scene::{Animation, LoadedScene};
@@ -36,6 +36,8 @@ struct Total {
     rendered: u32,
     kept: u32,
     seconds: f64,
+    /// Samples a pixel.
+    spp: f64,
     rebuilds: u32,
     rebuild_seconds: f64,
 }
@@ -47,6 +49,8 @@ struct Sequence<'a> {
     /// The files' name without a number.
     name: PathBuf,
     frames: RangeInclusive<u32>,
+    /// Samples a pixel that the frame before took, if frames can end early.
+    spent_spp: Option<u32>,
     total: Total,
 }
 
@@ -55,7 +59,8 @@ pub fn render_frames(arguments: &Render, range: Range) -> Result<(), Failure> {
     let animation = load(&arguments.common)?;
     let frames = range.within(animation.frames().map(|f| (f.first, f.last))).map_err(bad)?;
     let name = output_name(arguments, animation.scene());
-    let mut sequence = Sequence { arguments, animation, name, frames, total: Total::default() };
+    let mut sequence =
+        Sequence { arguments, animation, name, frames, spent_spp: None, total: Total::default() };
     let kept = sequence.find_kept()?;
     sequence.prepare()?;
     let settings = render_settings(sequence.animation.scene(), arguments);
@@ -87,6 +92,9 @@ impl Sequence<'_> {
         let scene = self.animation.scene();
         let mut settings = render_settings(scene, self.arguments);
         settings.sampler.frame = frame;
+        if let Some(target) = &mut settings.target {
+            target.expected_spp = self.spent_spp;
+        }
         Ok((settings, attributes(scene, &settings), change.geometry))
     }
 
@@ -128,6 +136,8 @@ impl Sequence<'_> {
         let files = self.files(frame);
         let picture = frame_io::read_exr(&files[0]).map_err(failed)?;
         frame_io::write_png(&files[1], &picture, self.arguments.exposure).map_err(failed)?;
+        let spent = picture.attributes.get("spent_spp").and_then(|spp| spp.parse::<f64>().ok());
+        self.spent_spp = spent.map(|spp| spp as u32);
         self.total.kept += 1;
         self.print(&Line { frame, kept: true, rebuild_seconds: None, files: &files, rendered: None });
         Ok(())
@@ -139,14 +149,17 @@ impl Sequence<'_> {
         scene.require_light().map_err(bad)?;
         let threads = self.arguments.common.threads;
         let done = render::render(scene, &settings, threads, &|samples| bar.inc(samples)).map_err(blame)?;
-        let picture = Picture { attributes, ..done.picture(&settings, scene) };
+        let mut picture = done.picture(&settings, scene);
+        picture.attributes.extend(attributes);
         let files = self.files(frame);
         // The PNG first: where the EXR is, all of the frame is.
         frame_io::write_png(&files[1], &picture, self.arguments.exposure).map_err(failed)?;
         frame_io::write_exr(&files[0], &picture).map_err(failed)?;
         let rendered = Some(report::Rendered::new(scene, &settings, &done, &files));
         self.print(&Line { frame, kept: false, rebuild_seconds, files: &files, rendered });
+        self.spent_spp = done.estimated_err.map(|_| done.spp() as u32);
         self.total.rendered += 1;
+        self.total.spp += done.spp();
         self.total.seconds += done.seconds;
         self.total.rebuilds += u32::from(rebuild_seconds.is_some());
         self.total.rebuild_seconds += rebuild_seconds.unwrap_or(0.0);
@@ -173,7 +186,7 @@ impl Sequence<'_> {
     }
 
     fn summary(&self, has_video: bool) -> String {
-        let Total { rendered, kept, seconds, rebuilds, rebuild_seconds } = self.total;
+        let Total { rendered, kept, seconds, spp, rebuilds, rebuild_seconds } = self.total;
         let scene = self.animation.scene();
         let settings = render_settings(scene, self.arguments);
         let core = &settings.sampler;
@@ -185,6 +198,11 @@ impl Sequence<'_> {
         let each = seconds / f64::from(rendered.max(1));
         text +=
             &format!("{rendered} rendered in {seconds:.1} s, {each:.2} s each; {kept} were there already\n");
+        if let Some(target) = settings.target.filter(|_| rendered > 0) {
+            let spp = spp / f64::from(rendered);
+            text +=
+                &format!("{spp:.1} samples per pixel on average for an estimated Err below {}\n", target.err);
+        }
         if rebuilds > 0 {
             let each = 1e3 * rebuild_seconds / f64::from(rebuilds);
             text += &format!("the hierarchy was built {rebuilds} times, {each:.1} ms each\n");

@@ -61,6 +61,9 @@ pub struct Render {
     /// Brightness of the PNG in stops: each doubles it
     #[arg(long, value_name = "EV", default_value_t = 0.0, allow_hyphen_values = true, value_parser = finite)]
     pub exposure: f32,
+    /// Estimated perceptual error (Err) below which a frame ends, with --spp samples per pixel at most
+    #[arg(long, value_name = "E", value_parser = positive, allow_negative_numbers = true, conflicts_with = "iterations")]
+    pub target_err: Option<f32>,
     /// Frames of an animation, first and last included: A..B, an open end being the scene's, or one number
     ///
     /// Frame 7 goes to NAME.0007.exr and NAME.0007.png. Frames that are there already, made with the same settings
@@ -251,6 +254,11 @@ fn vector(text: &str) -> Result<[f32; 3], String> {
 fn finite(text: &str) -> Result<f32, String> {
     let number = text.parse().ok().filter(|number: &f32| number.is_finite());
     number.ok_or_else(|| "expected a number".into())
+}
+
+fn positive(text: &str) -> Result<f32, String> {
+    let number = finite(text).ok().filter(|number| *number > 0.0);
+    number.ok_or_else(|| "expected a number above 0".into())
 }
 
 fn gamma(text: &str) -> Result<f32, String> {

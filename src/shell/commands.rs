@@ -9,6 +9,7 @@ use pmcip::frame_io::{self, Picture};
 use pmcip::render::{self, Frame};
 use pmcip::scene::{self, Animation, LoadedScene, View};
 use pmcip::settings::{Method, Settings};
+use pmcip::stop::Target;
 use pmcip::{metrics, output, probe};
 use std::fs;
 use std::io::Write;
@@ -77,6 +78,7 @@ pub fn render_settings(scene: &LoadedScene, arguments: &Render) -> Settings {
     settings.iterations = arguments.iterations.unwrap_or(settings.iterations);
     settings.sampler.gamma = arguments.gamma.unwrap_or(settings.sampler.gamma);
     settings.set_estimator(arguments.estimator.map_or(settings.sampler.estimator, Into::into));
+    settings.target = arguments.target_err.map(|err| Target { err, expected_spp: None });
     settings
 }
 

@@ -158,6 +158,23 @@ fn box_average(values: &[f64], width: usize) -> Vec<f64> {
     columns.flatten().collect()
 }
 
+/// Means over boxes of `radius` around every pixel, over the part that lies inside the image.
+pub(crate) fn box_mean(values: &[f64], width: usize, radius: usize) -> Vec<f64> {
+    let along = |values: &[f64], width: usize| -> Vec<f64> {
+        // Each row becomes a column, so that twice the same pass is both ways.
+        let height = values.len() / width;
+        let mut out = vec![0.0; values.len()];
+        for (y, row) in values.chunks_exact(width).enumerate() {
+            for x in 0..width {
+                out[x * height + y] = mean(&row[x.saturating_sub(radius)..(x + radius + 1).min(width)]);
+            }
+        }
+        out
+    };
+    let height = values.len() / width;
+    along(&along(values, width), height)
+}
+
 fn slide(values: &[f64]) -> Vec<f64> {
     values.windows(BOX.min(values.len())).map(mean).collect()
 }

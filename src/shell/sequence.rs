@@ -12,8 +12,8 @@ use std::fmt::{self, Display, Formatter};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-/// Attributes that tell what became of a frame, not what was asked for.
-pub const OUTCOMES: [&str; 1] = ["estimated_err"];
+/// Attributes that tell what became of a frame or of the one before it, not what was asked for.
+const OUTCOMES: [&str; 3] = ["estimated_err", "spent_spp", "expected_spp"];
 
 /// Numbers of frames, both ends included; an open end is that of the scene.
 ///

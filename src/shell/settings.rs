@@ -14,6 +14,7 @@
 //! ```
 
 use crate::scene::{LoadedScene, View};
+use crate::stop::{Growth, Target};
 use clap::ValueEnum;
 use pmcip_core::estimate::Estimator;
 use pmcip_core::sampler::{self, Schedule};
@@ -108,6 +109,8 @@ pub struct Settings {
     pub max_depth: u32,
     /// The camera.
     pub view: View,
+    /// When to end before all samples are spent.
+    pub target: Option<Target>,
 }
 
 impl Settings {
@@ -122,6 +125,7 @@ impl Settings {
             sampler: sampler::Settings { cd_per_unit: scene.cd_per_unit, ..method.sampler(width, height) },
             max_depth: scene.max_depth.unwrap_or(DEFAULT_DEPTH),
             view: scene.view,
+            target: None,
         }
     }
 
@@ -144,9 +148,12 @@ impl Settings {
         }
     }
 
-    /// Samples of each iteration.
-    pub fn schedule(&self) -> Schedule {
-        Schedule::new(self.pixels(), self.spp, self.pilot(), self.iterations)
+    /// Samples of each iteration, at most.
+    pub fn schedule(&self) -> impl Iterator<Item = u64> {
+        let growth = self.target.map(|target| Growth::new(self.pixels(), self.spp, target.expected_spp));
+        let fixed = || Schedule::new(self.pixels(), self.spp, self.pilot(), self.iterations);
+        let fixed = growth.is_none().then(fixed);
+        growth.into_iter().flatten().chain(fixed.into_iter().flatten())
     }
 
     /// Pixels of the film.
@@ -181,6 +188,13 @@ impl Settings {
             "up": view.up.map(short),
             "fov": short(view.fov),
         });
+        let mut list = list;
+        if let (Some(target), Value::Object(list)) = (self.target, &mut list) {
+            list.remove("iterations");
+            list.remove("pilot_spp");
+            list.insert("target_err".into(), short(target.err).into());
+            list.insert("expected_spp".into(), target.expected_spp.into());
+        }
         if let Value::Object(list) = list { list } else { Map::new() }
     }
 }
@@ -204,7 +218,7 @@ mod tests {
     fn settings(method: Method, spp: u32) -> Settings {
         let view = View { from: [0.0; 3], at: [0.0, 0.0, -1.0], up: [0.0, 1.0, 0.0], fov: 40.0 };
         let iterations = method.default_iterations(spp);
-        Settings { spp, iterations, method, sampler: method.sampler(5, 2), max_depth: 8, view }
+        Settings { spp, iterations, method, sampler: method.sampler(5, 2), max_depth: 8, view, target: None }
     }
 
     fn schedule(method: Method, spp: u32) -> Vec<u64> {

@@ -128,6 +128,15 @@ pub struct View {
     pub fov: f32,
 }
 
+/// Where everything stands in a frame: what is to be kept of it to know how things have moved since.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pose {
+    /// The camera.
+    pub view: View,
+    /// Where each object stands.
+    pub placements: Vec<Placement>,
+}
+
 /// A scene in memory, ready to be lent to the core.
 #[derive(Clone, Debug)]
 pub struct LoadedScene {
@@ -170,6 +179,11 @@ pub struct LoadedScene {
 }
 
 impl LoadedScene {
+    /// Where everything stands, seen by `view`.
+    pub fn pose(&self, view: View) -> Pose {
+        Pose { view, placements: self.placements.clone() }
+    }
+
     /// The scene as the core sees it.
     pub fn data(&self) -> SceneData<'_> {
         SceneData {
