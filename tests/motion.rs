@@ -81,8 +81,8 @@ fn a_ball_that_moves_takes_its_pixels_along() {
             assert_eq!(source, (!uncovered).then_some(i), "pixel {i}");
         }
         seen[sight.object.min(2) as usize] += 1;
-        if sight.object == 1 && source.is_some() {
-            assert_eq!(before.sights[source.unwrap()].object, 1);
+        if let Some(source) = source.filter(|_| sight.object == 1) {
+            assert_eq!(before.sights[source].object, 1);
         }
     }
     assert!(seen[0] > 500 && seen[1] > 30 && seen[2] > 100, "{seen:?}");

@@ -42,6 +42,15 @@ struct Total {
     rebuild_seconds: f64,
 }
 
+/// How a frame is rendered.
+struct Task {
+    settings: Settings,
+    /// What its file will say.
+    attributes: BTreeMap<String, String>,
+    /// Seconds that the hierarchy took, if an object has moved.
+    rebuild_seconds: Option<f64>,
+}
+
 /// A sequence being rendered.
 struct Sequence<'a> {
     arguments: &'a Render,
@@ -86,8 +95,8 @@ impl Sequence<'_> {
         [exr, png]
     }
 
-    /// Brings the scene to a frame, and says how it is rendered and what its file will say.
-    fn seek(&mut self, frame: u32) -> Result<(Settings, BTreeMap<String, String>, Option<f64>), Failure> {
+    /// Brings the scene to a frame, and says how that is rendered.
+    fn seek(&mut self, frame: u32) -> Result<Task, Failure> {
         let change = self.animation.seek(frame).map_err(bad)?;
         let scene = self.animation.scene();
         let mut settings = render_settings(scene, self.arguments);
@@ -95,7 +104,8 @@ impl Sequence<'_> {
         if let Some(target) = &mut settings.target {
             target.expected_spp = self.spent_spp;
         }
-        Ok((settings, attributes(scene, &settings), change.geometry))
+        let attributes = attributes(scene, &settings);
+        Ok(Task { settings, attributes, rebuild_seconds: change.geometry })
     }
 
     /// The frames that are complete; one that was made otherwise is an error unless it may be overwritten.
@@ -106,8 +116,7 @@ impl Sequence<'_> {
             if !exr.exists() {
                 continue;
             }
-            let (_, wanted, _) = self.seek(frame)?;
-            match sequence::state(&exr, &wanted) {
+            match sequence::state(&exr, &self.seek(frame)?.attributes) {
                 State::Complete => kept.push(frame),
                 State::Other(why) if !self.arguments.overwrite => {
                     let remedy = "give another name with -o, or --overwrite";
@@ -127,7 +136,7 @@ impl Sequence<'_> {
         if !video.is_empty() && !video::available() && !self.arguments.common.quiet {
             eprintln!("warning: {}; the frames are rendered all the same", video::MISSING);
         }
-        let (settings, ..) = self.seek(first)?;
+        let settings = self.seek(first)?.settings;
         look(self.animation.scene(), &settings, &self.arguments.common)
     }
 
@@ -144,7 +153,7 @@ impl Sequence<'_> {
     }
 
     fn render(&mut self, frame: u32, bar: &ProgressBar) -> Result<(), Failure> {
-        let (settings, attributes, rebuild_seconds) = self.seek(frame)?;
+        let Task { settings, attributes, rebuild_seconds } = self.seek(frame)?;
         let scene = self.animation.scene();
         scene.require_light().map_err(bad)?;
         let threads = self.arguments.common.threads;

@@ -13,6 +13,13 @@
 //! [`Growth`] is the schedule of such a frame: iterations that grow with what has been spent, so that a frame ends at
 //! most an eighth later than it could, or as large as those of a frame of the length that the frame before needed.
 //!
+//! # Calibration
+//!
+//! `cargo run --release --example target -- 24 64 4096`: means of 24 frames of 64×64 pixels, estimated over true Err, the
+//! standard deviation of one estimate, and the true energy bias (caustic's own reference has a standard error of 0.05 %):
+//!
+//! CALIBRATION
+//!
 //! Limits: a rule that stops on a frame's own samples stops rather where they were lucky. What no sample has found, no
 //! estimate knows of: before eight samples a pixel nothing is stopped.
 
@@ -49,7 +56,8 @@ pub struct Target {
 /// ```
 /// use pmcip::stop::Growth;
 ///
-/// assert!(Growth::new(10, 100, None).map(|n| n / 10).eq([2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 2, 3, 3, 3, 4, 4, 5, 5, 6, 7, 8, 9, 10, 12]));
+/// let early = [2; 12].into_iter().chain([3, 3, 3, 4, 4, 5, 5, 6, 7, 8, 9, 10, 9]);
+/// assert!(Growth::new(10, 100, None).map(|n| n / 10).eq(early));
 /// assert!(Growth::new(10, 100, Some(80)).take(17).map(|n| n / 10).eq([5; 16].into_iter().chain([10])));
 /// ```
 #[derive(Clone, Debug)]
