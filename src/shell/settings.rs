@@ -14,6 +14,7 @@
 //! ```
 
 use crate::scene::{LoadedScene, View};
+use crate::stop::{Growth, Target};
 use clap::ValueEnum;
 use pmcip_core::estimate::Estimator;
 use pmcip_core::sampler::{self, Schedule};
@@ -150,6 +151,8 @@ pub struct Settings {
     pub max_depth: u32,
     /// The camera.
     pub view: View,
+    /// When to end before all samples are spent.
+    pub target: Option<Target>,
 }
 
 impl Settings {
@@ -165,6 +168,7 @@ impl Settings {
             integrator: Integrator::Path,
             max_depth: scene.max_depth.unwrap_or(DEFAULT_DEPTH),
             view: scene.view,
+            target: None,
         }
     }
 
@@ -187,9 +191,12 @@ impl Settings {
         }
     }
 
-    /// Samples of each iteration.
-    pub fn schedule(&self) -> Schedule {
-        Schedule::new(self.pixels(), self.spp, self.pilot(), self.iterations)
+    /// Samples of each iteration, at most.
+    pub fn schedule(&self) -> impl Iterator<Item = u64> {
+        let growth = self.target.map(|target| Growth::new(self.pixels(), self.spp, target.expected_spp));
+        let fixed = || Schedule::new(self.pixels(), self.spp, self.pilot(), self.iterations);
+        let fixed = growth.is_none().then(fixed);
+        growth.into_iter().flatten().chain(fixed.into_iter().flatten())
     }
 
     /// Pixels of the film.
@@ -225,6 +232,12 @@ impl Settings {
         });
         let mut list = object(list);
         list.extend(self.integrator.list());
+        if let Some(target) = self.target {
+            list.remove("iterations");
+            list.remove("pilot_spp");
+            list.insert("target_err".into(), short(target.err).into());
+            list.insert("expected_spp".into(), target.expected_spp.into());
+        }
         list
     }
 }
@@ -261,6 +274,7 @@ mod tests {
             integrator: Integrator::Path,
             max_depth: 8,
             view,
+            target: None,
         }
     }
 
