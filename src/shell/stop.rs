@@ -23,7 +23,7 @@
 //! | `cornell`, uniform | 1.60 | 1.48 | 1.42 | 1.43 | 1.39 | 1.27 |
 //! | `cornell`, pmc | 1.16 | 1.08 | 1.06 | 1.02 | 1.06 | 1.05 |
 //! | `caustic`, uniform | 1.02 | 1.11 | 0.93 | 0.98 | 1.01 | 0.89 |
-//! | `caustic`, pmc | 1.10 | 0.79 | 0.87 | 0.71 | 0.90 | – |
+//! | `caustic`, pmc | 1.10 | 0.79 | 0.87 | 0.71 | 0.90 | 0.73 |
 //!
 //! One estimate spreads by 3 to 20 % on `cornell`, by 20 to 30 % on `caustic` (at 8 samples up to 100 %). The energy bias
 //! of stopped frames is within 2.1 standard errors of 0 everywhere (`caustic` −0.08 % ± 0.12, `cornell` +0.02 % ± 0.06).
