@@ -1,5 +1,7 @@
 //! What the measuring programs share: many independent renders, and what they cost in error.
 
+#![allow(dead_code, reason = "each program uses some of it")]
+
 use pmcip::frame_io::Picture;
 use pmcip::metrics::{self, Metrics};
 use pmcip::render;
@@ -22,6 +24,10 @@ pub struct Outcome {
     pub rel_mse: f64,
     /// Mean of Σe/Σref and its standard error from the spread of the runs.
     pub bias: (f64, f64),
+    /// Mean of the Err that the frames estimate, and the standard deviation of one; not a number without a target.
+    pub estimate: (f64, f64),
+    /// Samples a pixel.
+    pub spp: f64,
 }
 
 impl Study {
@@ -48,9 +54,15 @@ impl Study {
             settings.sampler.seed = seed;
             let frame = render::render(&self.scene, &settings, Some(1), &|_| ()).expect("a run renders");
             let picture = frame.picture(&settings, &self.scene);
-            metrics::measure(&picture, &self.reference, f64::from(self.scene.cd_per_unit)).expect("same size")
+            let cd_per_unit = f64::from(self.scene.cd_per_unit);
+            let metrics = metrics::measure(&picture, &self.reference, cd_per_unit).expect("same size");
+            (metrics, frame.estimated_err.unwrap_or(f64::NAN), frame.spp())
         };
-        let all: Vec<Metrics> = (0..runs).into_par_iter().map(one).collect();
+        let runs_of: Vec<(Metrics, f64, f64)> = (0..runs).into_par_iter().map(one).collect();
+        let all: Vec<Metrics> = runs_of.iter().map(|run| run.0).collect();
+        let count = f64::from(runs);
+        let estimate = runs_of.iter().map(|run| run.1).sum::<f64>() / count;
+        let squares: f64 = runs_of.iter().map(|run| (run.1 - estimate).powi(2)).sum();
         let mean = |of: fn(&Metrics) -> f64| all.iter().map(of).sum::<f64>() / f64::from(runs);
         let bias = mean(|m| m.energy_bias);
         let spread: f64 = all.iter().map(|m| (m.energy_bias - bias).powi(2)).sum();
@@ -60,6 +72,8 @@ impl Study {
             err_lowpass: mean(|m| m.err_lowpass),
             rel_mse: mean(|m| m.rel_mse),
             bias: (bias, error),
+            estimate: (estimate, (squares / (count - 1.0).max(1.0)).sqrt()),
+            spp: runs_of.iter().map(|run| run.2).sum::<f64>() / count,
         }
     }
 }

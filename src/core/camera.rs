@@ -95,6 +95,23 @@ impl Camera {
         let film = Vec3x8::splat(self.right) * x + Vec3x8::splat(self.down) * y;
         (Vec3x8::splat(self.corner) + film).normalized()
     }
+
+    /// The film position, in pixels from the upper left corner, of what lies in a direction from the origin.
+    ///
+    /// The inverse of [`directions`](Self::directions). `direction` has any length; the position may lie outside of the
+    /// film. None for what is beside or behind the camera.
+    pub fn project(&self, direction: [f32; 3]) -> Option<[f32; 2]> {
+        let axes = [self.right, self.down];
+        // The corner, by pixels along the film's axes; what remains of it looks along the view.
+        let corner = axes.map(|axis| vec3::dot(self.corner, axis) / vec3::dot(axis, axis));
+        let [along_x, along_y] = [0, 1].map(|i| vec3::scale(axes[i], corner[i]));
+        let forward = vec3::sub(vec3::sub(self.corner, along_x), along_y);
+        let depth = vec3::dot(direction, forward);
+        let film =
+            |i: usize| vec3::dot(direction, axes[i]) / (vec3::dot(axes[i], axes[i]) * depth) - corner[i];
+        let position = [film(0), film(1)];
+        (depth > 0.0 && position.iter().all(|v| v.is_finite())).then_some(position)
+    }
 }
 
 #[cfg(test)]
@@ -110,6 +127,22 @@ mod tests {
         assert!((d[0] - 2.0 * expected).abs() < 1e-6, "{d:?}");
         assert!((d[1] - expected).abs() < 1e-6, "{d:?}");
         assert!((d[2] + expected).abs() < 1e-6, "{d:?}");
+    }
+
+    #[test]
+    fn projection_undoes_directions() {
+        let camera =
+            Camera::new([3.0, -2.0, 5.0], [0.5, 1.0, -1.0], [0.1, 1.0, 0.2], 50.0, 320, 200).unwrap();
+        for i in 0..64 {
+            let (x, y) = (5.0 * i as f32 - 3.3, 3.0 * i as f32 + 1.7);
+            let d = camera.directions(f32x8::splat(x), f32x8::splat(y));
+            let d = [d.x, d.y, d.z].map(|v| 7.5 * v.to_array()[0]);
+            let [u, v] = camera.project(d).unwrap();
+            assert!((u - x).abs() < 1e-3 && (v - y).abs() < 1e-3, "{u} {v}, not {x} {y}");
+            assert_eq!(camera.project(d.map(|v| -v)), None);
+        }
+        assert_eq!(camera.project([0.0; 3]), None);
+        assert_eq!(camera.project([f32::NAN; 3]), None);
     }
 
     #[test]

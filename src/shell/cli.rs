@@ -3,6 +3,7 @@
 use clap::error::ErrorKind;
 use clap::{Args, Parser, Subcommand};
 use pmcip::compare::Variant;
+use pmcip::sequence;
 use pmcip::settings::{
     DEFAULT_LIGHT_SAMPLES, DEFAULT_PHOTONS, Estimate, Integrator, MAX_DEPTH, MAX_LIGHT_SAMPLES, MAX_PHOTONS,
     Method,
@@ -22,8 +23,8 @@ pub struct Arguments {
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Render one frame of a scene to an EXR and a PNG file
-    Render(Render),
+    /// Render a scene, or frames of an animation, to EXR and PNG files
+    Render(Box<Render>),
     /// Render a reference: uniform samples, EXR only, with the variance of every pixel
     Reference(Reference),
     /// Measure methods against each other: error against time and samples, as a page, JSON and CSV
@@ -60,7 +61,25 @@ pub struct Render {
     /// Brightness of the PNG in stops: each doubles it
     #[arg(long, value_name = "EV", default_value_t = 0.0, allow_hyphen_values = true, value_parser = finite)]
     pub exposure: f32,
-    /// Print one JSON object instead of words
+    /// Estimated perceptual error (Err) below which a frame ends, with --spp samples per pixel at most
+    #[arg(long, value_name = "E", value_parser = positive, allow_negative_numbers = true, conflicts_with = "iterations")]
+    pub target_err: Option<f32>,
+    /// Frames of an animation, first and last included: A..B, an open end being the scene's, or one number
+    ///
+    /// Frame 7 goes to NAME.0007.exr and NAME.0007.png. Frames that are there already, made with the same settings
+    /// of the same scene, are kept: an interrupted run goes on where it stopped. Frames made otherwise are an error.
+    #[arg(long, value_name = "A..B", verbatim_doc_comment)]
+    pub frames: Option<sequence::Range>,
+    /// Overwrite frames that were made with other settings
+    #[arg(long, requires = "frames")]
+    pub overwrite: bool,
+    /// Video of the frames to make with ffmpeg, if that is installed (H.264)
+    #[arg(long, value_name = "OUT.mp4", value_parser = mp4_path, requires = "frames")]
+    pub video: Option<PathBuf>,
+    /// Frames a second of the video [default: the scene's, or 24]
+    #[arg(long, value_name = "N", value_parser = fps, requires = "video")]
+    pub fps: Option<f32>,
+    /// Print one JSON object instead of words; with --frames one line for each frame
     #[arg(long)]
     pub json: bool,
 }
@@ -146,7 +165,10 @@ pub struct Compare {
     /// Renders of each method at each sample count, all with different seeds
     #[arg(long, value_name = "R", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub runs: u32,
-    /// Image to judge by [default: rendered, and kept in the folder]
+    /// Frames of an animation, first and last included: adds flicker and curves over frames
+    #[arg(long, value_name = "A..B")]
+    pub frames: Option<sequence::Range>,
+    /// Image to judge by [default: rendered, and kept in the folder]; of frames the name without number
     #[arg(long, value_name = "REF.exr", conflicts_with = "reference_spp")]
     pub reference: Option<PathBuf>,
     /// Samples per pixel of the rendered reference
@@ -251,6 +273,17 @@ fn exr_path(text: &str) -> Result<PathBuf, String> {
     if is_exr { Ok(path) } else { Err("the name must end in .exr".into()) }
 }
 
+fn mp4_path(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    let is_mp4 = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("mp4"));
+    if is_mp4 { Ok(path) } else { Err("the name must end in .mp4".into()) }
+}
+
+fn fps(text: &str) -> Result<f32, String> {
+    let number = finite(text).ok().filter(|number| (0.01..=1000.0).contains(number));
+    number.ok_or_else(|| "expected a number from 0.01 to 1000".into())
+}
+
 fn size(text: &str) -> Result<(u32, u32), String> {
     let numbers = text.split_once(['x', 'X', '×']).map(|(width, height)| (width.parse(), height.parse()));
     match numbers {
@@ -274,6 +307,11 @@ fn vector(text: &str) -> Result<[f32; 3], String> {
 fn finite(text: &str) -> Result<f32, String> {
     let number = text.parse().ok().filter(|number: &f32| number.is_finite());
     number.ok_or_else(|| "expected a number".into())
+}
+
+fn positive(text: &str) -> Result<f32, String> {
+    let number = finite(text).ok().filter(|number| *number > 0.0);
+    number.ok_or_else(|| "expected a number above 0".into())
 }
 
 fn gamma(text: &str) -> Result<f32, String> {

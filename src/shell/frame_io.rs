@@ -116,6 +116,26 @@ pub fn read_exr(path: &Path) -> Result<Picture, Error> {
     to_picture(layer, &prefix).ok_or_else(|| Error::read(path, "its channels are subsampled"))
 }
 
+/// Reads the attributes of ours from the head of an EXR file.
+///
+/// # Errors
+/// [`Error::Read`] if the file is missing or no EXR file.
+pub fn read_attributes(path: &Path) -> Result<BTreeMap<String, String>, Error> {
+    let file = File::open(path).map_err(|reason| Error::read(path, output::plain(&reason)))?;
+    let head = exr::meta::MetaData::read_from_buffered(BufReader::new(file), false)
+        .map_err(|reason| Error::read(path, reason))?;
+    Ok(head.headers.first().map(|header| ours(&header.own_attributes)).unwrap_or_default())
+}
+
+/// Attributes of ours, without their prefix.
+fn ours(attributes: &LayerAttributes) -> BTreeMap<String, String> {
+    let ours = attributes.other.iter().filter_map(|(name, value)| match value {
+        AttributeValue::Text(value) => Some((name.to_string().strip_prefix(PREFIX)?.to_owned(), utf8(value))),
+        _ => None,
+    });
+    ours.collect()
+}
+
 /// What stands before `R`, `G` and `B` in a part's channel names, preferably nothing.
 fn colour_prefix(channels: &AnyChannels<FlatSamples>) -> Option<String> {
     let names: Vec<String> = channels.list.iter().map(|channel| channel.name.to_string()).collect();
@@ -136,12 +156,8 @@ fn to_picture(layer: &Layer<AnyChannels<FlatSamples>>, prefix: &str) -> Option<P
         .collect();
     let [r, g, b] = ["R", "G", "B"].map(|colour| planes.remove(&format!("{prefix}{colour}")));
     let rgb = r?.into_iter().zip(g?).zip(b?).map(|((r, g), b)| [r, g, b]).collect();
-    let ours = layer.attributes.other.iter().filter_map(|(name, value)| match value {
-        AttributeValue::Text(value) => Some((name.to_string().strip_prefix(PREFIX)?.to_owned(), utf8(value))),
-        _ => None,
-    });
     let (width, height) = (layer.size.x() as u32, layer.size.y() as u32);
-    Some(Picture { width, height, rgb, attributes: ours.collect(), planes })
+    Some(Picture { width, height, rgb, attributes: ours(&layer.attributes), planes })
 }
 
 fn utf8(text: &Text) -> String {

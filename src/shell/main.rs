@@ -1,5 +1,6 @@
 //! The program `pmcip`: see `pmcip --help`.
 
+mod animate;
 mod cli;
 mod commands;
 mod processor;

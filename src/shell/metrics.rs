@@ -9,6 +9,7 @@
 //! - **Energy bias**: Σe/Σref in luminance, with its standard error.
 //! - **Oracle ratio**: |P|·Σσ²w/(Σσ√w)², w = 1/tvi: what the best allocation for known variances gains over uniform
 //!   sampling in Err.
+//! - **Flicker**, of two frames of an animation: mean of (e_t − e_{t−1})²/tvi(L).
 //!
 //! ```
 //! use pmcip::{frame_io::Picture, metrics::measure};
@@ -83,6 +84,43 @@ pub fn measure(image: &Picture, reference: &Picture, cd_per_unit: f64) -> Result
     })
 }
 
+/// The luminance error of every pixel of a frame, for [`flicker`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Errors {
+    error: Vec<f64>,
+    truth: Vec<f64>,
+}
+
+impl Errors {
+    /// The errors of `image` against `reference`, which must have the same size.
+    ///
+    /// # Errors
+    /// As [`measure`].
+    pub fn new(image: &Picture, reference: &Picture) -> Result<Errors, Error> {
+        check(image, reference)?;
+        let truth: Vec<f64> = reference.rgb.iter().map(|&rgb| luminance(rgb)).collect();
+        let error = image.rgb.iter().zip(&truth).map(|(&rgb, truth)| luminance(rgb) - truth).collect();
+        Ok(Errors { error, truth })
+    }
+}
+
+/// Flicker from one frame to the next: mean over pixels of (e_t − e_{t−1})²/tvi(L), L the mean of the two references.
+///
+/// Where two frames have independent noise it is about the sum of their Err; noise that stays the same does not
+/// flicker. (With the later reference alone as L, noise of a bright object would be judged by a black background that
+/// it has just uncovered.) Frames of different sizes have none: not a number.
+pub fn flicker(before: &Errors, now: &Errors, cd_per_unit: f64) -> f64 {
+    if before.error.len() != now.error.len() {
+        return f64::NAN;
+    }
+    let pairs = |a: &[f64], b: &[f64], f: fn(f64, f64) -> f64| -> Vec<f64> {
+        a.iter().zip(b).map(|(a, b)| f(*a, *b)).collect()
+    };
+    let change = pairs(&now.error, &before.error, |now, before| now - before);
+    let level = pairs(&now.truth, &before.truth, |now, before| 0.5 * (now + before));
+    err(&change, &level, cd_per_unit)
+}
+
 /// Luminance of linear Rec. 709 colour.
 pub fn luminance([r, g, b]: [f32; 3]) -> f64 {
     0.2126 * f64::from(r) + 0.7152 * f64::from(g) + 0.0722 * f64::from(b)
@@ -118,6 +156,23 @@ fn box_average(values: &[f64], width: usize) -> Vec<f64> {
     let rows: Vec<Vec<f64>> = values.chunks_exact(width).map(slide).collect();
     let columns = (0..rows[0].len()).map(|x| slide(&rows.iter().map(|row| row[x]).collect::<Vec<f64>>()));
     columns.flatten().collect()
+}
+
+/// Means over boxes of `radius` around every pixel, over the part that lies inside the image.
+pub(crate) fn box_mean(values: &[f64], width: usize, radius: usize) -> Vec<f64> {
+    let along = |values: &[f64], width: usize| -> Vec<f64> {
+        // Each row becomes a column, so that twice the same pass is both ways.
+        let height = values.len() / width;
+        let mut out = vec![0.0; values.len()];
+        for (y, row) in values.chunks_exact(width).enumerate() {
+            for x in 0..width {
+                out[x * height + y] = mean(&row[x.saturating_sub(radius)..(x + radius + 1).min(width)]);
+            }
+        }
+        out
+    };
+    let height = values.len() / width;
+    along(&along(values, width), height)
 }
 
 fn slide(values: &[f64]) -> Vec<f64> {

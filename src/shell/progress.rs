@@ -12,7 +12,7 @@ pub fn bar(pixels: u64, spp: u64, quiet: bool) -> ProgressBar {
         // A terminal that cannot be written to has nobody to tell.
         let _ = write!(out, "{:.1} spp/s", state.per_sec() / pixels as f64);
     };
-    let template = "{bar:40} {percent:>3} %  {rate}  {eta} left";
+    let template = "{bar:40} {percent:>3} %  {rate}  {eta} left  {msg}";
     let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
     let bar = ProgressBar::with_draw_target(Some(pixels * spp), ProgressDrawTarget::stderr());
     bar.with_style(style.with_key("rate", rate))

@@ -9,6 +9,7 @@ use crate::frame_io::Picture;
 use crate::photons::{Order, Photons, Shot};
 use crate::scene::LoadedScene;
 use crate::settings::{Integrator, Settings};
+use crate::stop::{self, Judge};
 use pmcip_core::batch::{Batch8, Integrand, Rgb8};
 use pmcip_core::camera::Camera;
 use pmcip_core::sampler::{Jobs, Memory, Sampler, Tally, Workspace};
@@ -18,6 +19,7 @@ use pmcip_core::shade::gather::{Gather, Maps};
 use pmcip_core::shade::path::{Packet, PathTracer, Traffic};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde_json::Value;
+use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
@@ -45,23 +47,43 @@ pub struct Frame {
     pub threads: usize,
     /// Wall time of the render, without loading and writing.
     pub seconds: f64,
+    /// Err by the estimate of [`stop`], if the frame had a target.
+    pub estimated_err: Option<f64>,
 }
 
 impl Frame {
+    /// Samples a pixel that were drawn.
+    pub fn spp(&self) -> f64 {
+        (self.tally.samples + self.tally.rejected) as f64 / self.rgb.len() as f64
+    }
+
+    /// What became of a frame that could end early, by name.
+    fn outcome(&self) -> impl Iterator<Item = (String, String)> {
+        let spent =
+            move |err: f64| [("estimated_err", err.to_string()), ("spent_spp", self.spp().to_string())];
+        let list = self.estimated_err.map(spent).into_iter().flatten();
+        list.map(|(name, value)| (name.to_owned(), value))
+    }
+
     /// The frame as it goes to disk: the planes `variance`, `count`, `alpha`, and every setting by name.
     pub fn picture(&self, settings: &Settings, scene: &LoadedScene) -> Picture {
         let count = self.count.iter().map(|n| *n as f32).collect();
         let planes = [("variance", self.variance.clone()), ("count", count), ("alpha", self.alpha.clone())];
-        let mut settings_by_name = settings.list();
-        settings_by_name.insert("scene".into(), Value::String(scene.name.clone()));
         Picture {
             width: settings.sampler.width,
             height: settings.sampler.height,
             rgb: self.rgb.clone(),
             planes: planes.into_iter().map(|(name, plane)| (name.to_owned(), plane)).collect(),
-            attributes: settings_by_name.into_iter().map(|(name, value)| (name, plain(value))).collect(),
+            attributes: self.outcome().chain(attributes(scene, settings)).collect(),
         }
     }
+}
+
+/// Every setting of a frame by name, as its file has them, and the scene's name.
+pub fn attributes(scene: &LoadedScene, settings: &Settings) -> BTreeMap<String, String> {
+    let mut settings_by_name = settings.list();
+    settings_by_name.insert("scene".into(), Value::String(scene.name.clone()));
+    settings_by_name.into_iter().map(|(name, value)| (name, plain(value))).collect()
 }
 
 /// A setting as the command line takes it: no quotes, no brackets.
@@ -86,6 +108,35 @@ pub fn render(
     threads: Option<usize>,
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<Frame, Error> {
+    let Some(target) = settings.target else {
+        return render_while(scene, settings, threads, progress, &mut |_| Ok(true));
+    };
+    let core = &settings.sampler;
+    let mut judge = Judge::new(core.width, core.height, core.cd_per_unit)?;
+    let mut estimated = None;
+    let least = stop::LEAST_SPP * settings.pixels();
+    let frame = render_while(scene, settings, threads, progress, &mut |film| {
+        estimated = judge.look(film)?;
+        let good = estimated.is_some_and(|err| err < f64::from(target.err));
+        Ok(!(good && film.samples() >= least))
+    })?;
+    Ok(Frame { estimated_err: estimated, ..frame })
+}
+
+/// Renders a frame as [`render`] does, until `go_on`, which is shown the film after every iteration, says no.
+///
+/// Iterations end at the same samples for any number of threads, so that a decision from the film alone keeps the
+/// frame's bits the same.
+///
+/// # Errors
+/// As [`render`], and what `go_on` returns.
+pub fn render_while(
+    scene: &LoadedScene,
+    settings: &Settings,
+    threads: Option<usize>,
+    progress: &(dyn Fn(u64) + Sync),
+    go_on: &mut dyn FnMut(&Sampler<'_>) -> Result<bool, Error>,
+) -> Result<Frame, Error> {
     let start = Instant::now();
     let pool = start_threads(threads)?;
     let photons = shoot(scene, settings, pool.as_ref())?;
@@ -101,6 +152,9 @@ pub fn render(
         sampler.begin(samples).map_err(setting)?;
         crew.work(sampler.jobs(), progress);
         tally = sampler.end().map_err(|error| Error::Work(error.to_string()))?;
+        if !go_on(&sampler)? {
+            break;
+        }
     }
     let mut frame = read_out(&sampler, settings)?;
     (frame.tally, frame.lane_occupancy) = (tally, crew.lane_occupancy());
@@ -142,6 +196,7 @@ fn read_out(sampler: &Sampler<'_>, settings: &Settings) -> Result<Frame, Error> 
         lane_occupancy: 0.0,
         threads: 0,
         seconds: 0.0,
+        estimated_err: None,
     };
     let mut scratch = zeros(Sampler::resolve_scratch(width, height))?;
     let estimator = settings.sampler.estimator;
@@ -157,7 +212,7 @@ fn setting(error: impl std::error::Error) -> Error {
 }
 
 /// Memory, or an error instead of an abort: a film can be larger than the machine.
-fn zeros<T: Clone + Default>(length: usize) -> Result<Vec<T>, Error> {
+pub(crate) fn zeros<T: Clone + Default>(length: usize) -> Result<Vec<T>, Error> {
     let mut memory = Vec::new();
     memory.try_reserve_exact(length).map_err(|_| Error::Work("not enough memory for the film".into()))?;
     memory.resize(length, T::default());

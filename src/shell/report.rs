@@ -21,6 +21,9 @@ pub struct Rendered<'a> {
     samples_per_second: f64,
     rejected: u64,
     estimated_relative_error: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    estimated_err: Option<f64>,
+    spent_spp: f64,
     lane_occupancy: f64,
     #[serde(flatten)]
     photons: Option<Photons>,
@@ -40,6 +43,8 @@ impl<'a> Rendered<'a> {
             samples_per_second: frame.tally.samples as f64 / frame.seconds,
             rejected: frame.tally.rejected,
             estimated_relative_error: relative_error(frame),
+            estimated_err: frame.estimated_err,
+            spent_spp: frame.spp(),
             lane_occupancy: frame.lane_occupancy,
             photons: frame.photons.map(Photons::from),
             files,
@@ -92,9 +97,17 @@ impl Display for Rendered<'_> {
         let (width, height, estimator) = (sampler.width, sampler.height, word(sampler.estimator));
         writeln!(
             f,
-            "{}: {width}×{height} pixels, {spp} samples per pixel in {iterations} iterations",
-            self.scene
+            "{}: {width}×{height} pixels, {}",
+            self.scene,
+            match self.settings.target {
+                Some(_) => format!("at most {spp} samples per pixel"),
+                None => format!("{spp} samples per pixel in {iterations} iterations"),
+            }
         )?;
+        if let (Some(target), Some(err)) = (self.settings.target, self.estimated_err) {
+            let (spent, aim) = (self.spent_spp, target.err);
+            writeln!(f, "{spent} samples per pixel spent, estimated Err {err:.4} of {aim} asked for")?;
+        }
         writeln!(f, "sampler {method}, estimator {estimator}, seed {}", sampler.seed)?;
         let rate = self.samples_per_second / 1e6;
         let (seconds, occupancy) = (self.seconds, 100.0 * self.lane_occupancy);

@@ -14,6 +14,7 @@
 //! ```
 
 use crate::scene::{LoadedScene, View};
+use crate::stop::{Growth, Target};
 use clap::ValueEnum;
 use pmcip_core::estimate::Estimator;
 use pmcip_core::sampler::{self, Schedule};
@@ -173,6 +174,8 @@ pub struct Settings {
     pub max_depth: u32,
     /// The camera.
     pub view: View,
+    /// When to end before all samples are spent.
+    pub target: Option<Target>,
 }
 
 impl Settings {
@@ -188,6 +191,7 @@ impl Settings {
             integrator: Integrator::Path,
             max_depth: scene.max_depth.unwrap_or(DEFAULT_DEPTH),
             view: scene.view,
+            target: None,
         }
     }
 
@@ -210,9 +214,12 @@ impl Settings {
         }
     }
 
-    /// Samples of each iteration.
-    pub fn schedule(&self) -> Schedule {
-        Schedule::new(self.pixels(), self.spp, self.pilot(), self.iterations)
+    /// Samples of each iteration, at most.
+    pub fn schedule(&self) -> impl Iterator<Item = u64> {
+        let growth = self.target.map(|target| Growth::new(self.pixels(), self.spp, target.expected_spp));
+        let fixed = || Schedule::new(self.pixels(), self.spp, self.pilot(), self.iterations);
+        let fixed = growth.is_none().then(fixed);
+        growth.into_iter().flatten().chain(fixed.into_iter().flatten())
     }
 
     /// Pixels of the film.
@@ -248,6 +255,12 @@ impl Settings {
         });
         let mut list = object(list);
         list.extend(self.integrator.list());
+        if let Some(target) = self.target {
+            list.remove("iterations");
+            list.remove("pilot_spp");
+            list.insert("target_err".into(), short(target.err).into());
+            list.insert("expected_spp".into(), target.expected_spp.into());
+        }
         list
     }
 }
@@ -284,6 +297,7 @@ mod tests {
             integrator: Integrator::Path,
             max_depth: 8,
             view,
+            target: None,
         }
     }
 

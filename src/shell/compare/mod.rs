@@ -9,6 +9,9 @@
 //! Seconds are wall time of the render, without loading the scene, measuring and writing; a row has the median of
 //! its runs, and the mean of the errors. Errors are in the units of [`metrics`].
 //!
+//! What is rendered, a [`Stage`], is a still picture or the frames of an animation. Of frames there are curves and one
+//! measure more, flicker; a row then has the means over all frames.
+//!
 //! Limits: errors contain the reference's own noise, which [`Reference`](reference::Reference) estimates, and every
 //! method's last picture is kept, hence 24 bytes a pixel and method.
 
@@ -19,18 +22,19 @@ mod plot;
 pub mod ratio;
 pub mod reference;
 pub mod report;
+mod stage;
 mod stats;
 mod table;
 mod variant;
 
+pub use stage::{Moving, Shot, Stage, Still};
 pub use stats::Measures;
 pub use variant::Variant;
 
 use crate::error::Error;
 use crate::frame_io::Picture;
-use crate::metrics::{self, Metrics};
+use crate::metrics::{self, Errors};
 use crate::render::{self, Frame};
-use crate::scene::LoadedScene;
 use crate::settings::{Method, Settings, word};
 use serde::Serialize;
 use stats::{mean, median, standard_error};
@@ -65,10 +69,10 @@ impl Plan {
         Plan { variants, spp, runs, base, threads }
     }
 
-    /// Samples a pixel of all renders together.
-    pub fn total_spp(&self) -> u64 {
+    /// Samples a pixel of all renders of so many frames together.
+    pub fn total_spp(&self, frames: usize) -> u64 {
         let once: u64 = self.spp.iter().map(|spp| u64::from(*spp)).sum();
-        once * self.variants.len() as u64 * u64::from(self.runs) + self.warm_up_spp()
+        once * self.variants.len() as u64 * u64::from(self.runs) * frames as u64 + self.warm_up_spp()
     }
 
     /// Samples a pixel of the render that is not counted.
@@ -125,113 +129,218 @@ pub struct Shown {
     pub frame: Frame,
 }
 
+/// One method at one sample count in one frame of a sequence: means over the runs.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FrameRow {
+    /// The frame.
+    pub frame: u32,
+    /// Name of the variant.
+    pub method: String,
+    /// Samples a pixel.
+    pub spp: u32,
+    /// Median wall time of the render.
+    pub seconds: f64,
+    /// The errors; of the first frame there is no flicker.
+    #[serde(flatten)]
+    pub measures: Measures,
+    /// Σe/Σref, luminance.
+    pub energy_bias: f64,
+}
+
 /// What a plan's renders have shown.
 #[derive(Clone, Debug)]
 pub struct Comparison {
     /// By method, then by sample count.
     pub rows: Vec<Row>,
-    /// One for each method.
+    /// By method, then by sample count, then by frame; empty for a still picture.
+    pub frames: Vec<FrameRow>,
+    /// One for each method, of the first frame.
     pub shown: Vec<Shown>,
-    /// What an oracle would gain over uniform sampling in Err, if the reference has a `variance` plane.
+    /// What an oracle would gain over uniform sampling in Err in the first frame, if the reference has a `variance`
+    /// plane.
     pub oracle_ratio: Option<f64>,
     /// Threads that worked.
     pub threads: usize,
 }
 
+/// What one render has shown.
+#[derive(Clone, Copy, Debug)]
+struct Outcome {
+    frame: u32,
+    seconds: f64,
+    measures: Measures,
+    energy_bias: f64,
+    energy_bias_stderr: f64,
+    oracle_ratio: Option<f64>,
+}
+
 /// The renders of one method at one sample count.
 struct Cell<'a> {
     variant: &'a Variant,
+    spp: u32,
+    /// Of the last render.
     settings: Settings,
+    /// One a run.
     seeds: Vec<u32>,
-    seconds: Vec<f64>,
-    metrics: Vec<Metrics>,
+    /// Frames of each run.
+    runs: Vec<Vec<Outcome>>,
+    /// Errors of the frame before.
+    before: Option<Errors>,
 }
 
-/// Renders everything in `plan` and measures it against `reference`; `progress` hears of samples just drawn.
+/// Renders everything in `plan` and measures it; `progress` hears of samples just drawn.
 ///
 /// # Errors
-/// As [`render::render`] and [`metrics::measure`].
-pub fn run(
-    scene: &LoadedScene,
-    plan: &Plan,
-    reference: &Picture,
-    progress: &(dyn Fn(u64) + Sync),
-) -> Result<Comparison, Error> {
+/// As [`render::render`], [`metrics::measure`] and [`Stage::show`].
+pub fn run(stage: &mut dyn Stage, plan: &Plan, progress: &(dyn Fn(u64) + Sync)) -> Result<Comparison, Error> {
     let mut cells: Vec<Cell> = plan
         .spp
         .iter()
-        .flat_map(|spp| plan.variants.iter().map(|variant| Cell::new(scene, plan, variant, *spp)))
+        .flat_map(|spp| plan.variants.iter().map(|variant| Cell::new(plan, variant, *spp)))
         .collect();
-    if let Some(cell) = cells.first() {
-        // The first render pays for caches, page tables and clock speed: nobody's time.
-        render::render(scene, &cell.settings, plan.threads, progress)?;
-    }
-    let mut seeds = plan.seeds(reference);
+    let frames = stage.frames();
     let mut shown = Vec::new();
     for run in 0..plan.runs {
-        for cell in &mut cells {
-            let frame = cell.render(scene, plan, reference, &mut seeds, progress)?;
-            if run == 0 && Some(&cell.settings.spp) == plan.spp.last() {
-                shown.push(Shown { method: cell.variant.to_string(), settings: cell.settings, frame });
+        for frame in frames.clone() {
+            let shot = stage.show(frame)?;
+            let first = run == 0 && frame == *frames.start();
+            if let Some(cell) = cells.first().filter(|_| first) {
+                // The first render pays for caches, page tables and clock speed: nobody's time.
+                let settings = cell.variant.settings(shot.scene, &shot.base, cell.spp);
+                render::render(shot.scene, &settings, plan.threads, progress)?;
+            }
+            if frame == *frames.start() {
+                begin_run(&mut cells, plan, shot.reference, run)?;
+            }
+            for cell in &mut cells {
+                let frame = cell.render(&shot, frame, plan, progress)?;
+                if first && Some(&cell.spp) == plan.spp.last() {
+                    shown.push(Shown { method: cell.variant.to_string(), settings: cell.settings, frame });
+                }
             }
         }
     }
-    let oracle_ratio =
-        cells.first().and_then(|cell| cell.metrics.first()).and_then(|metrics| metrics.oracle_ratio);
-    let by_method =
-        plan.variants.iter().flat_map(|variant| cells.iter().filter(move |cell| cell.variant == variant));
+    let outcome = cells.first().and_then(|cell| cell.runs.first()?.first());
+    let oracle_ratio = outcome.and_then(|outcome| outcome.oracle_ratio);
+    let by_method: Vec<&Cell> = plan
+        .variants
+        .iter()
+        .flat_map(|variant| cells.iter().filter(move |cell| cell.variant == variant))
+        .collect();
+    let curves = || by_method.iter().flat_map(|cell| cell.curve()).collect();
     Ok(Comparison {
-        rows: by_method.map(Cell::row).collect(),
+        rows: by_method.iter().map(|cell| cell.row()).collect(),
+        frames: if stage.is_sequence() { curves() } else { Vec::new() },
         threads: shown.first().map_or(0, |shown| shown.frame.threads),
         shown,
         oracle_ratio,
     })
 }
 
+/// Gives every cell its seed of the run and a clean slate.
+fn begin_run(cells: &mut [Cell], plan: &Plan, reference: &Picture, run: u32) -> Result<(), Error> {
+    let mut seeds = plan.seeds(reference).skip(run as usize * cells.len());
+    for cell in cells {
+        let seed = seeds.next().ok_or_else(|| Error::Setting("more renders than seeds".into()))?;
+        cell.seeds.push(seed);
+        cell.runs.push(Vec::new());
+        cell.before = None;
+    }
+    Ok(())
+}
+
 impl<'a> Cell<'a> {
-    fn new(scene: &LoadedScene, plan: &Plan, variant: &'a Variant, spp: u32) -> Cell<'a> {
-        let settings = variant.settings(scene, &plan.base, spp);
-        Cell { variant, settings, seeds: vec![], seconds: vec![], metrics: vec![] }
+    fn new(plan: &Plan, variant: &'a Variant, spp: u32) -> Cell<'a> {
+        Cell { variant, spp, settings: plan.base, seeds: vec![], runs: vec![], before: None }
     }
 
-    /// One more render with the next seed.
+    /// Renders and measures one frame of the run that was begun last.
     fn render(
         &mut self,
-        scene: &LoadedScene,
+        shot: &Shot,
+        frame: u32,
         plan: &Plan,
-        reference: &Picture,
-        seeds: &mut impl Iterator<Item = u32>,
         progress: &(dyn Fn(u64) + Sync),
     ) -> Result<Frame, Error> {
-        let seed = seeds.next().ok_or_else(|| Error::Setting("more renders than seeds".into()))?;
-        self.settings.sampler.seed = seed;
-        let frame = render::render(scene, &self.settings, plan.threads, progress)?;
-        let picture = frame.picture(&self.settings, scene);
-        self.metrics.push(metrics::measure(&picture, reference, f64::from(scene.cd_per_unit))?);
-        self.seconds.push(frame.seconds);
-        self.seeds.push(seed);
-        Ok(frame)
+        let scene = shot.scene;
+        self.settings = self.variant.settings(scene, &shot.base, self.spp);
+        self.settings.sampler.seed = self.seeds.last().copied().unwrap_or_default();
+        self.settings.sampler.frame = shot.base.sampler.frame;
+        let done = render::render(scene, &self.settings, plan.threads, progress)?;
+        let (picture, cd) = (done.picture(&self.settings, scene), f64::from(scene.cd_per_unit));
+        let metrics = metrics::measure(&picture, shot.reference, cd)?;
+        let errors = Errors::new(&picture, shot.reference)?;
+        let flicker = |before: &Errors| metrics::flicker(before, &errors, cd);
+        let flicker = self.before.as_ref().map_or(f64::NAN, flicker);
+        self.before = Some(errors);
+        let outcome = Outcome {
+            frame,
+            seconds: done.seconds,
+            measures: Measures { flicker, ..Measures::from(&metrics) },
+            energy_bias: metrics.energy_bias,
+            energy_bias_stderr: metrics.energy_bias_stderr,
+            oracle_ratio: metrics.oracle_ratio,
+        };
+        self.runs.last_mut().into_iter().for_each(|run| run.push(outcome));
+        Ok(done)
     }
 
     fn row(&self) -> Row {
-        let measures: Vec<Measures> = self.metrics.iter().map(Measures::from).collect();
-        let biases: Vec<f64> = self.metrics.iter().map(|metrics| metrics.energy_bias).collect();
-        let within = self.metrics.first().map_or(f64::NAN, |metrics| metrics.energy_bias_stderr);
-        let (seconds, measures, stderr) =
-            (median(&self.seconds), Measures::means(&measures), Measures::standard_errors(&measures));
+        let runs: Vec<Measures> = self.runs.iter().map(|run| over_frames(run)).collect();
+        let of_runs = |of: fn(&Outcome) -> f64| -> Vec<f64> {
+            self.runs.iter().map(|run| mean(&run.iter().map(of).collect::<Vec<f64>>())).collect()
+        };
+        let biases = of_runs(|outcome| outcome.energy_bias);
+        let (seconds, measures, stderr) = (
+            median(&of_runs(|outcome| outcome.seconds)),
+            Measures::means(&runs),
+            Measures::standard_errors(&runs),
+        );
         Row {
             method: self.variant.to_string(),
-            spp: self.settings.spp,
+            spp: self.spp,
             iterations: self.settings.iterations,
             estimator: word(self.settings.sampler.estimator),
             seconds,
             measures,
             p_eff: 1.0 / (seconds * measures.err),
             energy_bias: mean(&biases),
-            energy_bias_stderr: standard_error(&biases).unwrap_or(within),
-            runs: self.metrics.len() as u32,
+            energy_bias_stderr: standard_error(&biases).unwrap_or_else(|| within(&self.runs)),
+            runs: self.runs.len() as u32,
             stderr,
             seeds: self.seeds.clone(),
         }
     }
+
+    /// What each frame has shown.
+    fn curve(&self) -> Vec<FrameRow> {
+        let frames = self.runs.first().map_or(0, Vec::len);
+        let row = |i: usize| {
+            let all: Vec<&Outcome> = self.runs.iter().map(|run| &run[i]).collect();
+            let numbers =
+                |of: fn(&Outcome) -> f64| all.iter().map(|outcome| of(outcome)).collect::<Vec<f64>>();
+            FrameRow {
+                frame: all[0].frame,
+                method: self.variant.to_string(),
+                spp: self.spp,
+                seconds: median(&numbers(|outcome| outcome.seconds)),
+                measures: Measures::means(&all.iter().map(|outcome| outcome.measures).collect::<Vec<_>>()),
+                energy_bias: mean(&numbers(|outcome| outcome.energy_bias)),
+            }
+        };
+        (0..frames).map(row).collect()
+    }
+}
+
+/// Means over the frames of a run; flicker over those that have one before them.
+fn over_frames(run: &[Outcome]) -> Measures {
+    let all: Vec<Measures> = run.iter().map(|outcome| outcome.measures).collect();
+    let flicker: Vec<f64> = all.iter().map(|measures| measures.flicker).filter(|f| !f.is_nan()).collect();
+    Measures { flicker: mean(&flicker), ..Measures::means(&all) }
+}
+
+/// Standard error of the mean energy bias from within the pictures of the only run.
+fn within(runs: &[Vec<Outcome>]) -> f64 {
+    let squares: Vec<f64> = runs.iter().flatten().map(|outcome| outcome.energy_bias_stderr.powi(2)).collect();
+    (squares.iter().sum::<f64>()).sqrt() / squares.len() as f64
 }

@@ -4,10 +4,10 @@ mod gallery;
 mod tables;
 
 use super::pictures::Gallery;
-use super::plot::{self, Axis, Line, Point};
+use super::plot::{self, Axis, Line, Point, Spacing};
 use super::report::{Machine, Report};
 use super::table::significant;
-use super::{Comparison, Measures, Row};
+use super::{Comparison, FrameRow, Measures, Row};
 use crate::error::Error;
 use serde_json::{Map, Value};
 
@@ -15,11 +15,17 @@ use serde_json::{Map, Value};
 type Measure = (&'static str, &'static str, fn(&Measures) -> f64);
 
 /// What is plotted and compared.
-const MEASURES: [Measure; 3] = [
+const MEASURES: [Measure; 4] = [
     ("Err", "mean of e²/tvi", |m| m.err),
     ("Low-pass Err", "after an 8×8 box average", |m| m.err_lowpass),
     ("relMSE", "mean of e²/(ref² + 0.01)", |m| m.rel_mse),
+    ("Flicker", "mean of (e_t − e_{t−1})²/tvi", |m| m.flicker),
 ];
+
+/// The measures that a report has: flicker needs frames.
+fn measures(report: &Report) -> &'static [Measure] {
+    if report.frames.is_empty() { &MEASURES[..3] } else { &MEASURES }
+}
 
 /// The page.
 ///
@@ -30,10 +36,11 @@ pub fn html(report: &Report, comparison: &Comparison, cd_per_unit: f64) -> Resul
     let title = format!("{}: speed against error", escape(report.scene));
     Ok(format!(
         "<!DOCTYPE html>\n<html lang='en'>\n<head>\n<meta charset='utf-8'>\n<title>{title}</title>\n\
-         <style>\n{}</style>\n</head>\n<body>\n<h1>{title}</h1>\n{}{}{}{}{}{}</body>\n</html>\n",
+         <style>\n{}</style>\n</head>\n<body>\n<h1>{title}</h1>\n{}{}{}{}{}{}{}</body>\n</html>\n",
         include_str!("page/style.css"),
         facts(report),
         plots(report)?,
+        curves(report)?,
         tables::ratios(report),
         tables::measures(report),
         gallery::pictures(comparison, &gallery),
@@ -83,12 +90,12 @@ fn list(settings: &Map<String, Value>) -> String {
 /// Every measure against time and against samples.
 fn plots(report: &Report) -> Result<String, Error> {
     let counts = methods(report).take(1).flatten().map(|row| f64::from(row.spp)).collect();
-    let seconds = Axis { title: "seconds", ticks: None };
-    let samples = Axis { title: "samples per pixel", ticks: Some(counts) };
+    let seconds = Axis { title: "seconds", scale: Spacing::Logarithmic(None) };
+    let samples = Axis { title: "samples per pixel", scale: Spacing::Logarithmic(Some(counts)) };
     let x: [fn(&Row) -> f64; 2] = [|row| row.seconds, |row| f64::from(row.spp)];
     let mut drawings = String::new();
     for (axis, x) in [seconds, samples].iter().zip(x) {
-        for (title, _, of) in MEASURES {
+        for &(title, _, of) in measures(report) {
             let lines: Vec<Line> =
                 methods(report).enumerate().map(|(i, rows)| line(i, &rows, x, of)).collect();
             drawings += &plot::svg(title, axis, &lines)?;
@@ -102,8 +109,32 @@ fn plots(report: &Report) -> Result<String, Error> {
          <p class='note'>Means and standard errors over runs; seconds are medians of the render’s wall time. \
          {}.</p>\n",
         names.collect::<String>(),
-        MEASURES.map(|(name, meaning, _)| format!("{name}: {meaning}")).join("; "),
+        meanings(report),
     ))
+}
+
+/// What the measures mean.
+fn meanings(report: &Report) -> String {
+    let meanings = measures(report).iter().map(|(name, meaning, _)| format!("{name}: {meaning}"));
+    meanings.collect::<Vec<String>>().join("; ")
+}
+
+/// Every measure over the frames of a sequence, at the largest sample count.
+fn curves(report: &Report) -> Result<String, Error> {
+    let Some(spp) = report.frames.iter().map(|row| row.spp).max() else { return Ok(String::new()) };
+    let rows: Vec<&FrameRow> = report.frames.iter().filter(|row| row.spp == spp).collect();
+    let by_method: Vec<&[&FrameRow]> = rows.chunk_by(|a, b| a.method == b.method).collect();
+    let axis = Axis { title: "frame", scale: Spacing::Even };
+    let mut drawings = String::new();
+    for &(title, _, of) in measures(report) {
+        let point = |row: &&FrameRow| Point { x: f64::from(row.frame), y: of(&row.measures), error: 0.0 };
+        let line = |(method, rows): (usize, &&[&FrameRow])| Line {
+            colour: plot::colour(method),
+            points: rows.iter().map(point).collect(),
+        };
+        drawings += &plot::svg(title, &axis, &by_method.iter().enumerate().map(line).collect::<Vec<Line>>())?;
+    }
+    Ok(format!("<h2>Over frames at {spp} samples a pixel</h2>\n<div class='plots'>\n{drawings}</div>\n"))
 }
 
 /// A method's measurements as a line.

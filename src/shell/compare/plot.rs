@@ -1,7 +1,8 @@
-//! Log-log plots with error bars, as SVG to put into a page.
+//! Plots with error bars, logarithmic upwards, as SVG to put into a page.
 
 use super::table::significant;
 use crate::error::Error;
+use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
 use plotters::prelude::*;
 use std::ops::Range;
 
@@ -35,8 +36,17 @@ pub struct Line {
 pub struct Axis {
     /// What it is.
     pub title: &'static str,
-    /// Where it is labelled; `None`: at round numbers.
-    pub ticks: Option<Vec<f64>>,
+    /// How its numbers are spaced.
+    pub scale: Spacing,
+}
+
+/// How an axis is spaced.
+#[derive(Clone, Debug)]
+pub enum Spacing {
+    /// Logarithmic, labelled at these numbers or else at round ones.
+    Logarithmic(Option<Vec<f64>>),
+    /// Even.
+    Even,
 }
 
 /// Colours that people with any kind of colour vision tell apart (Okabe and Ito 2008), the baseline's grey first.
@@ -59,13 +69,14 @@ pub fn colour(method: usize) -> (u8, u8, u8) {
 /// [`Error::Work`] if the drawing fails.
 pub fn svg(title: &str, axis: &Axis, lines: &[Line]) -> Result<String, Error> {
     let mut text = String::new();
-    draw(&mut text, title, axis, &placeable(lines))
+    draw(&mut text, title, axis, &placeable(axis, lines))
         .map_err(|reason| Error::Work(format!("cannot draw a plot: {reason}")))?;
     Ok(text)
 }
 
-fn placeable(lines: &[Line]) -> Vec<Line> {
-    let fits = |p: &Point| p.x > 0.0 && p.y > 0.0 && p.x.is_finite() && p.y.is_finite();
+fn placeable(axis: &Axis, lines: &[Line]) -> Vec<Line> {
+    let above = |x: f64| x > 0.0 || matches!(axis.scale, Spacing::Even);
+    let fits = |p: &Point| above(p.x) && p.y > 0.0 && p.x.is_finite() && p.y.is_finite();
     lines
         .iter()
         .map(|line| Line { points: line.points.iter().copied().filter(fits).collect(), ..*line })
@@ -92,28 +103,50 @@ fn draw(
     axis: &Axis,
     lines: &[Line],
 ) -> Result<(), Box<dyn std::error::Error>> {
-    let points = || lines.iter().flat_map(|line| &line.points);
-    let x_range = range(points().map(|p| p.x));
-    let y_range = range(points().flat_map(|p| [p.y, p.y + p.error]));
-    let x_ticks = axis.ticks.clone().unwrap_or_else(|| round_numbers(&x_range));
+    let x = || lines.iter().flat_map(|line| &line.points).map(|p| p.x);
+    match &axis.scale {
+        Spacing::Logarithmic(ticks) => {
+            let range = range(x());
+            let ticks = ticks.clone().unwrap_or_else(|| round_numbers(&range));
+            draw_over(text, title, axis, lines, range.log_scale().with_key_points(ticks))
+        }
+        Spacing::Even => {
+            let (low, high) = x().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
+            let range = if low < high { low..high } else { 0.0..1.0 };
+            draw_over(text, title, axis, lines, range)
+        }
+    }
+}
+
+/// Draws over the horizontal coordinate `x`.
+fn draw_over<X>(
+    text: &mut String,
+    title: &str,
+    axis: &Axis,
+    lines: &[Line],
+    x: X,
+) -> Result<(), Box<dyn std::error::Error>>
+where
+    X: AsRangedCoord<Value = f64>,
+    X::CoordDescType: ValueFormatter<f64>,
+{
+    let y_range = range(lines.iter().flat_map(|line| &line.points).flat_map(|p| [p.y, p.y + p.error]));
     let y_ticks = round_numbers(&y_range);
     let floor = y_range.start;
+    let even = matches!(axis.scale, Spacing::Even);
     let root = SVGBackend::with_string(text, SIZE).into_drawing_area();
     let mut chart = ChartBuilder::on(&root)
         .caption(title, (FACE, 19))
         .margin_right(16)
         .x_label_area_size(44)
         .y_label_area_size(64)
-        .build_cartesian_2d(
-            x_range.log_scale().with_key_points(x_ticks),
-            y_range.log_scale().with_key_points(y_ticks),
-        )?;
+        .build_cartesian_2d(x, y_range.log_scale().with_key_points(y_ticks))?;
     chart
         .configure_mesh()
         .x_desc(axis.title)
         .axis_desc_style((FACE, 16))
         .label_style((FACE, 15))
-        .x_label_formatter(&|value| significant(*value, 1))
+        .x_label_formatter(&|value| if even { value.to_string() } else { significant(*value, 1) })
         .y_label_formatter(&|value| significant(*value, 1))
         .bold_line_style(RGBColor(222, 222, 222))
         .light_line_style(TRANSPARENT)
@@ -123,7 +156,9 @@ fn draw(
         let colour = RGBColor(line.colour.0, line.colour.1, line.colour.2);
         let places: Vec<(f64, f64)> = line.points.iter().map(|p| (p.x, p.y)).collect();
         chart.draw_series(LineSeries::new(places.iter().copied(), colour.stroke_width(2)))?;
-        chart.draw_series(places.iter().map(|place| Circle::new(*place, 4, colour.filled())))?;
+        if !even {
+            chart.draw_series(places.iter().map(|place| Circle::new(*place, 4, colour.filled())))?;
+        }
         let bars = line.points.iter().filter(|p| p.error > 0.0).map(|p| {
             let low = (p.y - p.error).max(floor);
             ErrorBar::new_vertical(p.x, low, p.y, p.y + p.error, colour.stroke_width(1), 9)
@@ -150,7 +185,7 @@ mod tests {
 
     #[test]
     fn nothing_to_draw_is_an_empty_plot() {
-        let axis = Axis { title: "seconds", ticks: None };
+        let axis = Axis { title: "seconds", scale: Spacing::Logarithmic(None) };
         let line = Line { colour: colour(0), points: vec![Point { x: 1.0, y: 0.0, error: 0.0 }] };
         assert!(svg("Err", &axis, &[line]).unwrap().contains("</svg>"));
     }

@@ -1,14 +1,15 @@
 //! The picture that all others are measured by: rendered once, kept beside the report.
 //!
 //! The file `reference.exr` names, as attributes, its samples a pixel and a hash (BLAKE3) of everything its light
-//! depends on: geometry, materials, textures as loaded, camera, size, integrator, depth, and this program's version. It is used
-//! again only if both are those asked for.
+//! depends on: geometry, materials, textures as loaded, camera, size, integrator, depth, and this program's version. It is
+//! used again only if both are those asked for. A sequence has one for each frame, `reference.0001.exr` and so on.
 
 use crate::error::Error;
 use crate::frame_io::{self, Picture};
 use crate::metrics::{self, luminance};
 use crate::render;
 use crate::scene::LoadedScene;
+use crate::sequence;
 use crate::settings::{Method, Settings};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -85,21 +86,20 @@ impl Reference {
         Ok(Reference::new(file.into(), Origin::Given, picture, f64::from(cd_per_unit)))
     }
 
-    /// Finds the reference in `folder`.
+    /// Finds the reference in `file`.
     ///
     /// # Errors
     /// Why it cannot be used, in words that complete "renders the reference: …".
     pub fn find(
-        folder: &Path,
+        file: &Path,
         scene: &LoadedScene,
         settings: &Settings,
         spp: u32,
     ) -> Result<Reference, String> {
-        let file = folder.join(FILE);
         if !file.exists() {
             return Err("there is none yet".into());
         }
-        let picture = frame_io::read_exr(&file).map_err(|error| error.to_string())?;
+        let picture = frame_io::read_exr(file).map_err(|error| error.to_string())?;
         if picture.attributes.get(HASH) != Some(&fingerprint(scene, settings)) {
             return Err(format!("{} shows another scene, size, integrator, depth or camera", file.display()));
         }
@@ -107,30 +107,34 @@ impl Reference {
         if known != spp.to_string() {
             return Err(format!("{} has {known} samples a pixel, not {spp}", file.display()));
         }
-        Ok(Reference::new(file, Origin::Reused, picture, f64::from(scene.cd_per_unit)))
+        Ok(Reference::new(file.into(), Origin::Reused, picture, f64::from(scene.cd_per_unit)))
     }
 
-    /// Renders the reference and keeps it in `folder`.
+    /// Renders the reference and keeps it in `file`.
     ///
     /// # Errors
     /// As [`render::render`], and [`Error::Write`].
     pub fn render(
-        folder: &Path,
+        file: &Path,
         scene: &LoadedScene,
         settings: &Settings,
         spp: u32,
         threads: Option<usize>,
         progress: &(dyn Fn(u64) + Sync),
     ) -> Result<Reference, Error> {
-        let file = folder.join(FILE);
         let mut uniform = super::Variant::from(Method::Uniform).settings(scene, settings, spp);
-        uniform.sampler.seed = SEED;
+        (uniform.sampler.seed, uniform.sampler.frame) = (SEED, settings.sampler.frame);
         let frame = render::render(scene, &uniform, threads, progress)?;
         let mut picture = frame.picture(&uniform, scene);
         picture.attributes.insert(HASH.into(), fingerprint(scene, settings));
-        frame_io::write_exr(&file, &picture)?;
-        Ok(Reference::new(file, Origin::Rendered, picture, f64::from(scene.cd_per_unit)))
+        frame_io::write_exr(file, &picture)?;
+        Ok(Reference::new(file.into(), Origin::Rendered, picture, f64::from(scene.cd_per_unit)))
     }
+}
+
+/// The reference of a frame of a sequence, by the name of one of a still picture.
+pub fn of_frame(file: &Path, frame: u32) -> PathBuf {
+    sequence::path(file, frame)
 }
 
 /// A black picture, to see whether another one has its size.

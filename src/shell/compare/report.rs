@@ -1,10 +1,10 @@
-//! A comparison on disk: `report.json`, `report.csv` and `report.html` in one folder.
+//! A comparison on disk: `report.json`, `report.csv` and `report.html` in one folder, and `frames.csv` of a sequence.
 //!
 //! Each file is either complete or not there. The page needs no other file and no network.
 
 use super::ratio::Ratios;
 use super::reference::Reference;
-use super::{Comparison, Plan, Row, page, table};
+use super::{Comparison, FrameRow, Plan, Row, page, table};
 use crate::error::Error;
 use crate::output;
 use crate::scene::LoadedScene;
@@ -16,6 +16,9 @@ use std::path::{Path, PathBuf};
 
 /// Names of the files in the report's folder.
 pub const FILES: [&str; 3] = ["report.json", "report.csv", "report.html"];
+
+/// Name of the file with the curves over frames.
+const FRAMES_FILE: &str = "frames.csv";
 
 /// The machine that was measured on.
 #[derive(Clone, Debug, Serialize)]
@@ -64,6 +67,9 @@ pub struct Report<'a> {
     pub oracle_ratio: Option<f64>,
     /// One a method and sample count.
     pub rows: &'a [Row],
+    /// Curves over frames: one a method, sample count and frame; empty for a still picture.
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    pub frames: &'a [FrameRow],
     /// Uniform over method.
     pub ratios: Ratios,
     /// What the loader of the scene had to guess.
@@ -95,6 +101,7 @@ impl<'a> Report<'a> {
             versions: Versions { pmcip: env!("CARGO_PKG_VERSION"), report: 1 },
             oracle_ratio: comparison.oracle_ratio,
             rows: &comparison.rows,
+            frames: &comparison.frames,
             ratios: Ratios::new(comparison),
             warnings: &scene.warnings,
             comparison,
@@ -102,7 +109,7 @@ impl<'a> Report<'a> {
         }
     }
 
-    /// Writes the three files into `folder` and names them.
+    /// Writes the files into `folder` and names them.
     ///
     /// # Errors
     /// [`Error::Write`]; [`Error::Work`] if a plot cannot be drawn.
@@ -110,12 +117,15 @@ impl<'a> Report<'a> {
         // Plain data with string keys: it cannot fail to become JSON.
         let json = serde_json::to_string_pretty(self).unwrap_or_default() + "\n";
         let page = page::html(self, self.comparison, self.cd_per_unit)?;
-        let texts = [json, table::csv(self.rows), page];
+        let mut files: Vec<_> = FILES.into_iter().zip([json, table::csv(self.rows), page]).collect();
+        if !self.frames.is_empty() {
+            files.push((FRAMES_FILE, table::frames_csv(self.frames)));
+        }
         let write = |(name, text): (&str, String)| {
             let path = folder.join(name);
             output::write(&path, |file| file.write_all(text.as_bytes())).map(|()| path)
         };
-        FILES.into_iter().zip(texts).map(write).collect()
+        files.into_iter().map(write).collect()
     }
 }
 

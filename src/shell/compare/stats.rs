@@ -16,12 +16,19 @@ pub struct Measures {
     pub rel_mse: f64,
     /// The same without the worst 0.1 % of pixels.
     pub rel_mse_trimmed: f64,
+    /// Mean of (e_t − e_{t−1})²/tvi over the frames of a sequence but the first; not a number elsewhere.
+    #[serde(skip_serializing_if = "is_unknown")]
+    pub flicker: f64,
+}
+
+fn is_unknown(value: &f64) -> bool {
+    value.is_nan()
 }
 
 impl From<&Metrics> for Measures {
     fn from(metrics: &Metrics) -> Measures {
         let Metrics { err, err_lowpass, mse, rel_mse, rel_mse_trimmed, .. } = *metrics;
-        Measures { err, err_lowpass, mse, rel_mse, rel_mse_trimmed }
+        Measures { err, err_lowpass, mse, rel_mse, rel_mse_trimmed, flicker: f64::NAN }
     }
 }
 
@@ -34,6 +41,7 @@ impl Measures {
             mse: value(|m| m.mse),
             rel_mse: value(|m| m.rel_mse),
             rel_mse_trimmed: value(|m| m.rel_mse_trimmed),
+            flicker: value(|m| m.flicker),
         }
     }
 

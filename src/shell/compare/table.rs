@@ -1,12 +1,12 @@
 //! A comparison as text: the table of ratios for a terminal, and all rows for a spreadsheet.
 
-use super::Row;
 use super::ratio::Ratio;
 use super::report::Report;
+use super::{FrameRow, Row};
 
 /// Columns of the rows that everybody may rely on.
 const COLUMNS: &str = "method,spp,iterations,estimator,seconds,err,p_eff,err_lowpass,mse,rel_mse,rel_mse_trimmed,\
-                       energy_bias,energy_bias_stderr,runs,err_stderr,err_lowpass_stderr,rel_mse_stderr";
+                       energy_bias,energy_bias_stderr,runs,err_stderr,err_lowpass_stderr,rel_mse_stderr,flicker";
 
 /// The rows as comma-separated values; what is not known is empty.
 pub fn csv(rows: &[Row]) -> String {
@@ -17,9 +17,25 @@ pub fn csv(rows: &[Row]) -> String {
         let middle =
             [row.seconds, m.err, row.p_eff, m.err_lowpass, m.mse, m.rel_mse, m.rel_mse_trimmed].map(cell);
         let bias = [row.energy_bias, row.energy_bias_stderr].map(cell).join(",");
-        format!("{head},{},{bias},{},{}\n", middle.join(","), row.runs, errors.map(cell).join(","))
+        let errors = errors.map(cell).join(",");
+        format!("{head},{},{bias},{},{errors},{}\n", middle.join(","), row.runs, cell(m.flicker))
     });
     format!("{COLUMNS}\n{}", lines.collect::<String>())
+}
+
+/// Columns of the curves over frames.
+const FRAME_COLUMNS: &str =
+    "frame,method,spp,seconds,err,err_lowpass,mse,rel_mse,rel_mse_trimmed,flicker,energy_bias";
+
+/// The curves over frames as comma-separated values.
+pub fn frames_csv(frames: &[FrameRow]) -> String {
+    let lines = frames.iter().map(|row| {
+        let m = &row.measures;
+        let errors = [m.err, m.err_lowpass, m.mse, m.rel_mse, m.rel_mse_trimmed, m.flicker, row.energy_bias];
+        let numbers = [row.seconds].into_iter().chain(errors).map(cell).collect::<Vec<String>>();
+        format!("{},{},{},{}\n", row.frame, row.method, row.spp, numbers.join(","))
+    });
+    format!("{FRAME_COLUMNS}\n{}", lines.collect::<String>())
 }
 
 fn cell(value: f64) -> String {
@@ -41,8 +57,15 @@ pub fn ratios(report: &Report) -> String {
     for row in report.rows {
         let find = |list: &[Ratio]| list.iter().find(|r| r.method == row.method && r.spp == row.spp).cloned();
         let (same, time) = (find(&report.ratios.equal_spp), find(&report.ratios.equal_time));
+        let flicker = match row.measures.flicker {
+            flicker if flicker.is_nan() => String::new(),
+            flicker => {
+                let ratio = number(same.as_ref().map_or(f64::NAN, |ratio| ratio.measures.flicker));
+                format!("   flicker {} ({ratio})", significant(flicker, 4))
+            }
+        };
         text += &format!(
-            "{:width$}  {:>5} {:>8.3} {:>10}   {}   {}  {:>6}   {:+.3} % ± {:.3}\n",
+            "{:width$}  {:>5} {:>8.3} {:>10}   {}   {}  {:>6}   {:+.3} % ± {:.3}{flicker}\n",
             row.method,
             row.spp,
             row.seconds,

@@ -1,21 +1,17 @@
-//! Collects triangles, materials and textures from all sources and puts the scene together.
+//! Collects triangles, materials and textures from all sources: a scene in the making.
 
+use super::animation::{ObjectTrack, Script};
 use super::place::Placement;
+use super::pose::{Object, Piece};
 use super::texture::TextureCache;
-use super::{Error, LoadedScene, View, bvh, shapes};
+use super::{Animation, Error, LoadedScene, View, pose, shapes};
 use glam::{Vec2, Vec3};
-use pmcip_core::scene::{Light, LightNode8, Material, Surface, Triangle};
-use pmcip_core::shade::{light, light_tree};
+use pmcip_core::scene::Material;
+use pmcip_core::shade::light;
 use std::path::Path;
 
 /// The vertical field of view of the automatic camera: that of the Cornell box.
 pub(super) const DEFAULT_FOV: f32 = 39.3;
-
-/// The height of a triangle over its longest edge below which it is a line to `f32` arithmetic.
-const DEGENERATE_HEIGHT: f64 = 1e-6;
-
-/// How far a shading normal may lean towards the back: its least cosine with the geometric normal.
-const LEAST_COSINE: f32 = 0.01;
 
 /// A corner of a triangle; a zero normal means that the source has none.
 #[derive(Clone, Copy, Debug, Default)]
@@ -55,18 +51,10 @@ impl Default for Shot {
 /// A scene in the making.
 #[derive(Debug, Default)]
 pub(super) struct Assembly {
-    triangles: Vec<Triangle>,
-    surfaces: Vec<Surface>,
+    objects: Vec<Object>,
     materials: Vec<Material>,
     pub textures: TextureCache,
     warnings: Vec<String>,
-}
-
-/// What was odd about the triangles of one mesh.
-#[derive(Debug, Default)]
-pub(super) struct Oddities {
-    degenerate: usize,
-    backward: usize,
 }
 
 impl Assembly {
@@ -83,51 +71,57 @@ impl Assembly {
         }
     }
 
-    /// Adds a triangle, or counts it if it has no area.
-    pub fn add(&mut self, corners: [Corner; 3], placement: &Placement, material: u32, odd: &mut Oddities) {
-        let mut placed = corners.map(|c| Corner {
-            position: placement.position(c.position),
-            normal: placement.normal(c.normal).normalize_or_zero(),
-            uv: c.uv,
-        });
-        if placement.is_mirrored() {
-            placed.swap(1, 2);
+    /// Begins an object that stands in the file `source`: all triangles up to the next one move together.
+    pub fn begin(&mut self, source: &Path) {
+        self.objects.push(Object { source: source.to_owned(), pieces: Vec::new() });
+    }
+
+    /// Adds a triangle to the object begun last.
+    pub fn add(&mut self, corners: [Corner; 3], material: u32) {
+        if let Some(object) = self.objects.last_mut() {
+            object.pieces.push(Piece { corners, material });
         }
-        let positions = placed.map(|c| c.position);
-        let Some(front) = front_of(positions) else {
-            odd.degenerate += 1;
-            return;
+    }
+
+    /// Poses all objects for the first frame of `script`, and frames the view if there is none.
+    pub fn finish(mut self, path: &Path, shot: Shot, mut script: Script) -> Result<Animation, Error> {
+        let blame = |message| Error::in_file(path, message);
+        let frame = script.first_frame();
+        let mut placements = script.placements(frame).map_err(blame)?;
+        let mut geometry = pose::place(&self.objects, &placements).map_err(blame)?;
+        let view = shot.view.unwrap_or_else(|| frame_view(geometry.bounds, shot.width, shot.height));
+        if shot.soft_box && light::count(&geometry.surfaces, &self.materials) == 0 {
+            self.add_soft_box(path, &view);
+            script.paths.push(ObjectTrack::Still);
+            placements = script.placements(frame).map_err(blame)?;
+            geometry = pose::place(&self.objects, &placements).map_err(blame)?;
+        }
+        geometry.sort();
+        let (textures, texels) = self.textures.into_parts();
+        let mut scene = LoadedScene {
+            name: path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+            path: path.to_owned(),
+            nodes: geometry.nodes,
+            leaves: geometry.leaves,
+            triangles: geometry.triangles,
+            surfaces: geometry.surfaces,
+            objects: geometry.objects,
+            placements,
+            materials: self.materials,
+            textures,
+            texels,
+            lights: Vec::new(),
+            light_nodes: Vec::new(),
+            view,
+            width: shot.width,
+            height: shot.height,
+            cd_per_unit: shot.cd_per_unit,
+            spp: shot.spp,
+            max_depth: shot.max_depth,
+            warnings: self.warnings,
         };
-        let normals = shading_normals(placed.map(|c| c.normal), front, odd);
-        self.triangles.push(Triangle { corners: positions.map(|p| p.to_array()) });
-        self.surfaces.push(Surface {
-            normals: normals.map(|n| n.to_array()),
-            uv: placed.map(|c| c.uv.to_array()),
-            material,
-        });
-    }
-
-    /// Reports what was odd about a mesh.
-    pub fn warn_oddities(&mut self, path: &Path, odd: Oddities) {
-        let name = path.display();
-        if odd.degenerate > 0 {
-            self.warn(format!("{name}: {} triangles without area left out", odd.degenerate));
-        }
-        if odd.backward > 0 {
-            let count = odd.backward;
-            self.warn(format!("{name}: {count} triangles have normals on the back of their winding; turned"));
-        }
-    }
-
-    /// Adds a rectangle, black where it does not shine.
-    pub fn add_lamp(&mut self, path: &Path, center: Vec3, edges: [Vec3; 2], radiance: [f32; 3]) {
-        let material = Material { diffuse: [0.0; 3], emission: radiance, ..Material::default() };
-        let index = self.add_material(material);
-        let mut odd = Oddities::default();
-        for triangle in shapes::rectangle(center, edges[0], edges[1]) {
-            self.add(triangle, &Placement::IDENTITY, index, &mut odd);
-        }
-        self.warn_oddities(path, odd);
+        geometry.warnings.into_iter().for_each(|warning| scene.warn(warning));
+        Animation::new(scene, self.objects, script, frame)
     }
 
     /// Lights the scene as a photographer would: from behind the camera, above it and to its left. A white surface
@@ -141,113 +135,29 @@ impl Assembly {
         let center = from + 0.35 * back + 0.6 * back.length() * up + 0.45 * left;
         let (shine, distance) = ((at - center).normalize(), at.distance(center));
         let across = shine.cross(up).normalize();
-        let edges = [across, shine.cross(across)].map(|edge| HALF * distance * edge);
+        let [u, v] = [across, shine.cross(across)].map(|edge| HALF * distance * edge);
         // Irradiance is radiance times area over the squared distance: π makes white shine with 1.
         let radiance = std::f32::consts::PI / (4.0 * HALF * HALF);
-        self.add_lamp(path, center, edges, [radiance; 3]);
+        let material = self.add_material(lamp([radiance; 3]));
+        let place = Placement::rectangle(center, u, v);
+        self.begin(path);
+        for triangle in shapes::square() {
+            self.add(triangle.map(|c| Corner { position: place.position(c.position), ..c }), material);
+        }
         let name = path.display();
         self.warn(format!(
             "{name}: no light: no material has an emission (Ke); a lamp behind the camera instead"
         ));
     }
-
-    /// Builds the hierarchy and the lights, and frames the view if there is none.
-    pub fn finish(mut self, path: &Path, shot: Shot) -> Result<LoadedScene, Error> {
-        if self.triangles.is_empty() {
-            return Err(Error::in_file(path, "the scene is empty: no triangle has an area"));
-        }
-        let bounds = self.bounds();
-        if !(bounds.0.is_finite() && bounds.1.is_finite()) {
-            return Err(Error::in_file(path, "a transform moves a vertex to infinity"));
-        }
-        let view = shot.view.unwrap_or_else(|| frame(bounds, shot.width, shot.height));
-        if shot.soft_box && light::count(&self.surfaces, &self.materials) == 0 {
-            self.add_soft_box(path, &view);
-        }
-        let bvh = bvh::build(&self.triangles);
-        self.triangles = bvh.order.iter().map(|&i| self.triangles[i as usize]).collect();
-        self.surfaces = bvh.order.iter().map(|&i| self.surfaces[i as usize]).collect();
-        let mut lights = vec![Default::default(); light::count(&self.surfaces, &self.materials)];
-        let used = light::build(&self.triangles, &self.surfaces, &self.materials, &mut lights);
-        lights.truncate(used);
-        let light_nodes = light_tree(&self.triangles, &self.surfaces, &self.materials, &mut lights);
-        let (textures, texels) = self.textures.into_parts();
-        Ok(LoadedScene {
-            name: path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
-            path: path.to_owned(),
-            nodes: bvh.nodes,
-            leaves: bvh.leaves,
-            triangles: self.triangles,
-            surfaces: self.surfaces,
-            materials: self.materials,
-            textures,
-            texels,
-            lights,
-            light_nodes,
-            view,
-            width: shot.width,
-            height: shot.height,
-            cd_per_unit: shot.cd_per_unit,
-            spp: shot.spp,
-            max_depth: shot.max_depth,
-            warnings: self.warnings,
-        })
-    }
-
-    /// The box around all triangles.
-    fn bounds(&self) -> (Vec3, Vec3) {
-        let positions = self.triangles.iter().flat_map(|t| t.corners).map(Vec3::from);
-        positions.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)))
-    }
 }
 
-/// Tree over the lights, and their places in it.
-fn light_tree(
-    triangles: &[Triangle],
-    surfaces: &[Surface],
-    materials: &[Material],
-    lights: &mut [Light],
-) -> Vec<LightNode8> {
-    let mut nodes = vec![LightNode8::default(); light_tree::required(lights.len())];
-    let mut order = vec![0; lights.len()];
-    let used = light_tree::build(triangles, surfaces, materials, lights, &mut order, &mut nodes);
-    nodes.truncate(used);
-    nodes
-}
-
-/// The unit normal of the side from which the corners run counter-clockwise; none without an area.
-fn front_of([a, b, c]: [Vec3; 3]) -> Option<Vec3> {
-    let (u, v) = ((b - a).as_dvec3(), (c - a).as_dvec3());
-    let area = u.cross(v);
-    let longest_squared = u.length_squared().max(v.length_squared()).max((u - v).length_squared());
-    let slender = area.length() <= DEGENERATE_HEIGHT * longest_squared;
-    let in_f32 = (b - a).cross(c - a).length_squared();
-    (!slender && in_f32.is_normal()).then(|| area.normalize().as_vec3())
-}
-
-/// Normals on the front side, or none if a corner has none.
-fn shading_normals(normals: [Vec3; 3], front: Vec3, odd: &mut Oddities) -> [Vec3; 3] {
-    if normals.iter().any(|n| *n == Vec3::ZERO || !n.is_finite()) {
-        return [Vec3::ZERO; 3];
-    }
-    let backward = normals.iter().map(|n| n.dot(front)).sum::<f32>() < 0.0;
-    odd.backward += usize::from(backward);
-    let sign = if backward { -1.0 } else { 1.0 };
-    normals.map(|n| raised(sign * n, front))
-}
-
-/// A normal that leans to the back, raised to the front.
-fn raised(normal: Vec3, front: Vec3) -> Vec3 {
-    let cosine = normal.dot(front);
-    if cosine >= LEAST_COSINE {
-        return normal;
-    }
-    let along = (normal - cosine * front).normalize_or_zero();
-    along * (1.0 - LEAST_COSINE * LEAST_COSINE).sqrt() + front * LEAST_COSINE
+/// The material of a lamp: black where it does not shine.
+pub(super) fn lamp(radiance: [f32; 3]) -> Material {
+    Material { diffuse: [0.0; 3], emission: radiance, ..Material::default() }
 }
 
 /// A view along −z that holds the whole box.
-fn frame((low, high): (Vec3, Vec3), width: u32, height: u32) -> View {
+fn frame_view((low, high): (Vec3, Vec3), width: u32, height: u32) -> View {
     const MARGIN: f32 = 1.05;
     let centre = 0.5 * (low + high);
     let half = 0.5 * (high - low);

@@ -1,11 +1,14 @@
 //! The scene file: what TOML may say, and what it means.
 
-use super::assemble::{Assembly, Corner, Oddities, Shot};
+use super::animation::Script;
+use super::assemble::{Assembly, Corner, Shot, lamp};
 use super::error::read;
-use super::place::Placement;
-use super::value::{FieldOfView, Point, Positive, Radiance, Reflectance, Scale, Size, Subdivisions, Unit};
-use super::{Error, LoadedScene, View, obj, shapes};
-use glam::Vec3;
+use super::keys::{self, CameraKey, Fault, Keys, LightKey, MaterialKey, MeshKey, SphereKey};
+use super::track::Interpolation;
+use super::value::{
+    FieldOfView, Point, Positive, Power, Radiance, Reflectance, Scale, Size, Subdivisions, Unit,
+};
+use super::{Animation, Error, Frames, View, obj, shapes};
 use pmcip_core::scene::{Material, Scattering};
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -20,6 +23,7 @@ struct SceneFile {
     film: FilmTable,
     #[serde(default)]
     render: RenderTable,
+    frames: Option<Spanned<FramesTable>>,
     camera: Option<Spanned<CameraTable>>,
     #[serde(default)]
     meshes: Vec<MeshTable>,
@@ -48,51 +52,80 @@ struct RenderTable {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct CameraTable {
-    from: Point,
-    at: Point,
-    up: Option<Point>,
-    fov: FieldOfView,
+struct FramesTable {
+    first: u32,
+    last: u32,
+    fps: Option<Positive>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct MeshTable {
+pub(super) struct CameraTable {
+    pub from: Point,
+    pub at: Point,
+    pub up: Option<Point>,
+    pub fov: FieldOfView,
+    #[serde(default)]
+    pub interpolation: Interpolation,
+    #[serde(default)]
+    pub keys: Keys<CameraKey>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct MeshTable {
     file: String,
-    translate: Option<Point>,
-    rotate: Option<Point>,
-    scale: Option<Scale>,
+    pub translate: Option<Point>,
+    pub rotate: Option<Point>,
+    pub scale: Option<Scale>,
     material: Option<Spanned<String>>,
+    #[serde(default)]
+    pub interpolation: Interpolation,
+    #[serde(default)]
+    pub keys: Keys<MeshKey>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct SphereTable {
-    center: Point,
-    radius: Positive,
+pub(super) struct SphereTable {
+    pub center: Point,
+    pub radius: Positive,
     subdivisions: Option<Subdivisions>,
     material: Spanned<String>,
+    #[serde(default)]
+    pub interpolation: Interpolation,
+    #[serde(default)]
+    pub keys: Keys<SphereKey>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct LightTable {
-    center: Point,
-    edge_u: Point,
-    edge_v: Point,
-    radiance: Radiance,
+pub(super) struct LightTable {
+    pub center: Point,
+    pub edge_u: Point,
+    pub edge_v: Point,
+    pub radiance: Radiance,
+    pub power: Option<Power>,
+    #[serde(default)]
+    pub interpolation: Interpolation,
+    #[serde(default)]
+    pub keys: Keys<LightKey>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct MaterialTable {
+pub(super) struct MaterialTable {
     #[serde(default)]
     kind: Kind,
     diffuse: Option<Reflectance>,
     specular: Option<Reflectance>,
     roughness: Option<Unit>,
     ior: Option<Positive>,
-    emission: Option<Radiance>,
+    pub emission: Option<Radiance>,
+    #[serde(default)]
+    pub interpolation: Interpolation,
+    #[serde(default)]
+    pub keys: Keys<MaterialKey>,
 }
 
 #[derive(Default, Deserialize)]
@@ -131,53 +164,71 @@ impl Source<'_> {
 }
 
 /// Loads a scene file and all that it names.
-pub(super) fn load_scene(path: &Path) -> Result<LoadedScene, Error> {
+pub(super) fn load_scene(path: &Path) -> Result<Animation, Error> {
     let text = read(path)?;
     let source = Source { path, text: &text };
     let scene: SceneFile = toml::from_str(&text).map_err(|e| source.toml_error(e))?;
+    let blame = |(offset, message): Fault| source.error(offset, message);
+    scene.check_keys().map_err(blame)?;
+    let frames = scene.frames().map_err(blame)?;
+    let mut script = Script { frames, moving: scene.moves(), ..Script::default() };
     let mut assembly = Assembly::default();
-    let names: BTreeMap<&str, u32> = scene
-        .materials
-        .iter()
-        .map(|(name, m)| (name.as_str(), assembly.add_material(m.material())))
-        .collect();
+    let mut names = BTreeMap::new();
+    for (name, table) in &scene.materials {
+        let index = assembly.add_material(table.material());
+        names.insert(name.as_str(), index);
+        if !table.keys.is_empty() {
+            script.glows.push(table.glow(index));
+        }
+    }
     let find = |name: &Spanned<String>| {
         let unknown = || format!("material \"{}\" is not among [materials]", name.get_ref());
         names.get(name.get_ref().as_str()).copied().ok_or_else(|| source.error(name.span().start, unknown()))
     };
     for mesh in &scene.meshes {
         let material = mesh.material.as_ref().map(find).transpose()?;
+        script.paths.push(mesh.track().map_err(blame)?);
         let file = path.with_file_name(&mesh.file);
         if let (Some(command), false) = (&scene.made_by, file.exists()) {
             return Err(Error::in_file(&file, format!("not there: run `{command}` first")));
         }
-        obj::add_mesh(&mut assembly, &file, &mesh.placement(), material)?;
+        obj::add_mesh(&mut assembly, &file, material)?;
+        if let Some((from, to)) = mesh.long_turn() {
+            let what = "angles differ by more than 180°: the mesh turns the short way";
+            assembly.warn(format!("{}: from frame {from} to {to} {what}", mesh.file));
+        }
     }
     for sphere in &scene.spheres {
+        script.paths.push(sphere.track());
         add(&mut assembly, path, sphere.triangles(), find(&sphere.material)?);
     }
     for light in &scene.lights {
-        light.get_ref().add(&mut assembly, path).map_err(|m| source.error(light.span().start, m))?;
+        let table = light.get_ref();
+        table.placement(script.first_frame()).map_err(|m| source.error(light.span().start, m))?;
+        script.paths.push(table.track());
+        let material = assembly.add_material(table.material());
+        add(&mut assembly, path, shapes::square(), material);
+        script.glows.push(table.glow(material));
     }
-    let view = scene
-        .camera
-        .as_ref()
-        .map(|camera| camera.get_ref().view().map_err(|m| source.error(camera.span().start, m)));
-    assembly.finish(path, scene.shot(view.transpose()?))
+    let camera = scene.camera.as_ref();
+    let view = camera.map(|camera| {
+        let view = camera.get_ref().track().at(script.first_frame());
+        view.map_err(|m| source.error(camera.span().start, m))
+    });
+    let moving = camera.filter(|camera| !camera.get_ref().keys.is_empty());
+    script.camera = moving.map(|camera| camera.get_ref().track());
+    assembly.finish(path, scene.shot(view.transpose()?), script)
 }
 
-/// Adds triangles as they are.
+/// Adds triangles as an object.
 fn add(
     assembly: &mut Assembly,
     path: &Path,
     triangles: impl IntoIterator<Item = [Corner; 3]>,
     material: u32,
 ) {
-    let mut odd = Oddities::default();
-    for triangle in triangles {
-        assembly.add(triangle, &Placement::IDENTITY, material, &mut odd);
-    }
-    assembly.warn_oddities(path, odd);
+    assembly.begin(path);
+    triangles.into_iter().for_each(|triangle| assembly.add(triangle, material));
 }
 
 impl SceneFile {
@@ -193,47 +244,68 @@ impl SceneFile {
             soft_box: false,
         }
     }
-}
 
-impl CameraTable {
-    fn view(&self) -> Result<View, &'static str> {
-        let up = self.up.map_or(Vec3::Y, |up| up.vec3());
-        let forward = (self.at.vec3() - self.from.vec3())
-            .try_normalize()
-            .ok_or("camera: from and at are the same point")?;
-        let upward = up.try_normalize().ok_or("camera: up has no direction")?;
-        if forward.cross(upward).length() < 1e-5 {
-            return Err("camera: up is parallel to the view");
-        }
-        Ok(View { from: self.from.0, at: self.at.0, up: up.to_array(), fov: self.fov.0 })
+    /// Checks the order of all keys.
+    fn check_keys(&self) -> Result<(), Fault> {
+        self.camera.iter().try_for_each(|camera| keys::check(&camera.get_ref().keys))?;
+        self.meshes.iter().try_for_each(|mesh| keys::check(&mesh.keys))?;
+        self.spheres.iter().try_for_each(|sphere| keys::check(&sphere.keys))?;
+        self.lights.iter().try_for_each(|light| keys::check(&light.get_ref().keys))?;
+        self.materials.values().try_for_each(|material| keys::check(&material.keys))
     }
-}
 
-impl MeshTable {
-    fn placement(&self) -> Placement {
-        let vector = |v: Option<Point>| v.map_or(Vec3::ZERO, |v| v.vec3());
-        let scale = self.scale.map_or(Vec3::ONE, Scale::factors);
-        Placement::new(scale, vector(self.rotate), vector(self.translate))
+    /// The frames, which keys need.
+    fn frames(&self) -> Result<Option<Frames>, Fault> {
+        const DEFAULT_FPS: f32 = 24.0;
+        let Some(table) = &self.frames else {
+            return match self.first_key() {
+                Some(offset) => Err((offset, "keys need a table [frames] with first and last".into())),
+                None => Ok(None),
+            };
+        };
+        let FramesTable { first, last, fps } = table.get_ref();
+        if first > last {
+            return Err((
+                table.span().start,
+                format!("frames: the first, {first}, is after the last, {last}"),
+            ));
+        }
+        Ok(Some(Frames { first: *first, last: *last, fps: fps.map_or(DEFAULT_FPS, |fps| fps.0) }))
+    }
+
+    /// Where the first key of any table stands.
+    fn first_key(&self) -> Option<usize> {
+        fn start<K>(keys: &Keys<K>) -> Option<usize> {
+            keys.first().map(|key| key.span().start)
+        }
+        let camera = self.camera.iter().filter_map(|camera| start(&camera.get_ref().keys));
+        let materials = self.materials.values().filter_map(|material| start(&material.keys));
+        let lights = self.lights.iter().filter_map(|light| start(&light.get_ref().keys));
+        let spheres = self.spheres.iter().filter_map(|sphere| start(&sphere.keys));
+        let meshes = self.meshes.iter().filter_map(|mesh| start(&mesh.keys));
+        camera.chain(materials).chain(lights).chain(spheres).chain(meshes).min()
+    }
+
+    /// Whether an object can move.
+    fn moves(&self) -> bool {
+        let lights = self.lights.iter().any(|light| !light.get_ref().keys.is_empty());
+        lights
+            || self.meshes.iter().any(|m| !m.keys.is_empty())
+            || self.spheres.iter().any(|s| !s.keys.is_empty())
     }
 }
 
 impl SphereTable {
     fn triangles(&self) -> Vec<[Corner; 3]> {
         const DEFAULT_SUBDIVISIONS: u32 = 6;
-        let subdivisions = self.subdivisions.map_or(DEFAULT_SUBDIVISIONS, |s| s.0);
-        shapes::sphere(self.center.vec3(), self.radius.0, subdivisions)
+        shapes::sphere(self.subdivisions.map_or(DEFAULT_SUBDIVISIONS, |s| s.0))
     }
 }
 
 impl LightTable {
-    /// Adds the rectangle.
-    fn add(&self, assembly: &mut Assembly, path: &Path) -> Result<(), &'static str> {
-        let (u, v) = (self.edge_u.vec3(), self.edge_v.vec3());
-        if u.cross(v).length_squared() <= 1e-12 * u.length_squared() * v.length_squared() {
-            return Err("lights: edge_u and edge_v span no area");
-        }
-        assembly.add_lamp(path, self.center.vec3(), [u, v], self.radiance.0);
-        Ok(())
+    /// Black where it does not shine.
+    fn material(&self) -> Material {
+        lamp(self.radiance.0)
     }
 }
 

@@ -53,21 +53,67 @@
 //! specular = [1, 1, 1]        # rough: at normal incidence; mirror and glass: tint
 //! roughness = 0.3             # rough: width of the GGX lobe
 //! emission = [0, 0, 0]        # radiance, front side
+//!
+//! [frames]                    # an animation; needed where there are keys
+//! first = 1
+//! last = 100                  # included
+//! fps = 25                    # for a video; 24 is the default
 //! ```
+//!
+//! # Keys
+//!
+//! Camera, meshes, spheres, lights and materials take `keys`, each with the number of its `frame` and what has
+//! changed by then:
+//!
+//! ```toml
+//! [[meshes]]
+//! file = "door.obj"
+//! translate = [4, 0, 0]
+//! interpolation = "linear"    # between keys; "smooth" is the default
+//! keys = [
+//!   { frame = 1, rotate = [0, 0, 0] },
+//!   { frame = 30, rotate = [0, 90, 0], scale = 1.0 },
+//!   { frame = 60, scale = 1.2 },
+//! ]
+//! ```
+//!
+//! A property follows the keys that name it, and no others: the door above turns from frame 1 to 30 and grows from 30
+//! to 60. Before its first key it is as in the first, after its last as in the last. Where no key names it, the
+//! object's own value holds. Keys come in the order of their frames, whole numbers. What can have keys:
+//!
+//! | table | properties |
+//! | --- | --- |
+//! | `camera` | `from`, `at`, `up`, `fov` |
+//! | `meshes` | `translate`, `rotate`, `scale` |
+//! | `spheres` | `center`, `radius` |
+//! | `lights` | `center`, `edge_u`, `edge_v`, `radiance`, `power` (a factor of the radiance, 1 if nothing is said) |
+//! | `materials` | `emission` |
+//!
+//! `smooth` runs through the keys without a corner, as a cubic whose tangents are those of parabolas through
+//! neighbouring keys, at the ends as well: two keys make an even motion in a straight line, and what shall start
+//! gently gets a key more. `fov`, `scale`, `radius`, `radiance`, `power` and `emission` never leave the range of the
+//! two keys around them; positions may. Rotations take the short way from key to key: a turn by more than 180° wants
+//! a key between.
 
+mod animation;
 mod assemble;
 pub mod bvh;
 mod error;
 mod file;
+mod keys;
 mod mtl;
 mod obj;
 mod obj_text;
 mod place;
+mod pose;
 mod shapes;
 mod texture;
+mod track;
 mod value;
 
+pub use animation::{Animation, Change, Frames};
 pub use error::Error;
+pub use place::{Placement, Shift};
 /// The largest width or height of an image, in pixels.
 pub const MAX_SIZE: u32 = 16384;
 
@@ -87,6 +133,15 @@ pub struct View {
     pub fov: f32,
 }
 
+/// Where everything stands in a frame: what is to be kept of it to know how things have moved since.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pose {
+    /// The camera.
+    pub view: View,
+    /// Where each object stands.
+    pub placements: Vec<Placement>,
+}
+
 /// A scene in memory, ready to be lent to the core.
 #[derive(Clone, Debug)]
 pub struct LoadedScene {
@@ -102,6 +157,10 @@ pub struct LoadedScene {
     pub triangles: Vec<Triangle>,
     /// One a triangle.
     pub surfaces: Vec<Surface>,
+    /// The object of each triangle: meshes, then spheres, then lights, in the order of the scene file.
+    pub objects: Vec<u32>,
+    /// Where each object stands.
+    pub placements: Vec<Placement>,
     /// Materials.
     pub materials: Vec<Material>,
     /// Textures.
@@ -129,6 +188,11 @@ pub struct LoadedScene {
 }
 
 impl LoadedScene {
+    /// Where everything stands, seen by `view`.
+    pub fn pose(&self, view: View) -> Pose {
+        Pose { view, placements: self.placements.clone() }
+    }
+
     /// The scene as the core sees it.
     pub fn data(&self) -> SceneData<'_> {
         SceneData {
@@ -141,6 +205,13 @@ impl LoadedScene {
             texels: &self.texels,
             lights: &self.lights,
             light_nodes: &self.light_nodes,
+        }
+    }
+
+    /// Notes what the user should know; once is enough.
+    fn warn(&mut self, warning: String) {
+        if !self.warnings.contains(&warning) {
+            self.warnings.push(warning);
         }
     }
 
@@ -161,12 +232,12 @@ impl LoadedScene {
     }
 }
 
-/// Loads a scene file, or an OBJ as a scene of its own.
+/// Loads a scene file, or an OBJ as a scene of its own; of an animation the first frame.
 ///
 /// # Errors
 /// If a file cannot be read or understood, or holds no triangle.
 pub fn load(path: &Path) -> Result<LoadedScene, Error> {
-    if is_obj(path) { obj::load_scene(path, false) } else { file::load_scene(path) }
+    Animation::load(path).map(Animation::into_scene)
 }
 
 /// Loads a scene to be rendered: as [`load`], but something shines in it. An OBJ without light gets a lamp behind the
@@ -175,11 +246,7 @@ pub fn load(path: &Path) -> Result<LoadedScene, Error> {
 /// # Errors
 /// As [`load`], and if a scene file has no light.
 pub fn load_lit(path: &Path) -> Result<LoadedScene, Error> {
-    if is_obj(path) {
-        return obj::load_scene(path, true);
-    }
-    let scene = file::load_scene(path)?;
-    scene.require_light().map(|()| scene)
+    Animation::load_lit(path).map(Animation::into_scene)
 }
 
 fn is_obj(path: &Path) -> bool {

@@ -4,11 +4,11 @@
 //! the first corner sees all others). A triangle without normals at all its corners is flat. Groups and objects
 //! do not matter. Curves, free-form surfaces, points and lines are left out.
 
-use super::assemble::{Assembly, Corner, Oddities, Shot};
+use super::animation::Script;
+use super::assemble::{Assembly, Corner, Shot};
 use super::error::read;
 use super::obj_text::{self, CheckedObj};
-use super::place::Placement;
-use super::{Error, LoadedScene, mtl};
+use super::{Animation, Error, mtl};
 use glam::{Vec2, Vec3};
 use pmcip_core::scene::Material;
 use std::path::Path;
@@ -16,19 +16,14 @@ use tobj::{LoadOptions, Mesh, Model};
 
 /// Loads an OBJ as a scene of its own: default film, a camera framed on it, lights from its materials, or if none of
 /// them shines and `soft_box` allows it, a lamp behind the camera.
-pub(super) fn load_scene(path: &Path, soft_box: bool) -> Result<LoadedScene, Error> {
+pub(super) fn load_scene(path: &Path, soft_box: bool) -> Result<Animation, Error> {
     let mut assembly = Assembly::default();
-    add_mesh(&mut assembly, path, &Placement::IDENTITY, None)?;
-    assembly.finish(path, Shot { soft_box, ..Shot::default() })
+    add_mesh(&mut assembly, path, None)?;
+    assembly.finish(path, Shot { soft_box, ..Shot::default() }, Script::still(1))
 }
 
-/// Adds the triangles of an OBJ file, all of one `material` if it is given.
-pub(super) fn add_mesh(
-    assembly: &mut Assembly,
-    path: &Path,
-    placement: &Placement,
-    material: Option<u32>,
-) -> Result<(), Error> {
+/// Adds the triangles of an OBJ file as an object, all of one `material` if it is given.
+pub(super) fn add_mesh(assembly: &mut Assembly, path: &Path, material: Option<u32>) -> Result<(), Error> {
     let checked = obj_text::check(path, &read(path)?)?;
     let models = parse(path, &checked)?;
     if models.iter().all(|m| m.mesh.indices.is_empty()) {
@@ -38,7 +33,7 @@ pub(super) fn add_mesh(
         Some(index) => vec![index; checked.materials.len()],
         None => mtl::load(path, &checked, assembly)?,
     };
-    let mut odd = Oddities::default();
+    assembly.begin(path);
     let mut unnamed = material;
     for Model { mesh, .. } in &models {
         let index = match mesh.material_id {
@@ -46,10 +41,9 @@ pub(super) fn add_mesh(
             None => *unnamed.get_or_insert_with(|| assembly.add_material(Material::default())),
         };
         for triangle in mesh.indices.as_chunks::<3>().0 {
-            assembly.add(triangle.map(|i| corner(mesh, i as usize)), placement, index, &mut odd);
+            assembly.add(triangle.map(|i| corner(mesh, i as usize)), index);
         }
     }
-    assembly.warn_oddities(path, odd);
     Ok(())
 }
 

@@ -1,10 +1,10 @@
-//! Where a mesh stands: scale, then rotation, then translation.
+//! Where an object stands: scale, then rotation, then translation.
 
 use glam::{Mat3, Quat, Vec3};
 
-/// An affine map of positions and normals.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Placement {
+/// An affine map of an object's own positions and normals into the scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Placement {
     linear: Mat3,
     normals: Mat3,
     translation: Vec3,
@@ -20,10 +20,8 @@ impl Placement {
         mirrored: false,
     };
 
-    /// Scales by `scale` (no factor 0), turns about the fixed x, y and z axis in this order by `degrees`, moves.
-    pub fn new(scale: Vec3, degrees: Vec3, translation: Vec3) -> Placement {
-        let turn = |axis, angle: f32| Quat::from_axis_angle(axis, angle.to_radians());
-        let rotation = turn(Vec3::Z, degrees.z) * turn(Vec3::Y, degrees.y) * turn(Vec3::X, degrees.x);
+    /// Scales by `scale` (no factor 0), turns, moves.
+    pub(super) fn new(scale: Vec3, rotation: Quat, translation: Vec3) -> Placement {
         let rotation = Mat3::from_quat(rotation);
         Placement {
             linear: rotation * Mat3::from_diagonal(scale),
@@ -33,8 +31,20 @@ impl Placement {
         }
     }
 
+    /// Makes the unit sphere one of this centre and radius.
+    pub(super) fn sphere(center: Vec3, radius: f32) -> Placement {
+        Placement { linear: Mat3::from_diagonal(Vec3::splat(radius)), translation: center, ..Self::IDENTITY }
+    }
+
+    /// Makes the square of corners (±1, ±1, 0) the rectangle of half edges `u` and `v`, which must not be parallel.
+    pub(super) fn rectangle(center: Vec3, u: Vec3, v: Vec3) -> Placement {
+        let normal = u.cross(v).normalize();
+        let linear = Mat3::from_cols(u, v, normal);
+        Placement { linear, normals: linear.inverse().transpose(), translation: center, mirrored: false }
+    }
+
     /// Whether it turns counter-clockwise corners into clockwise ones.
-    pub fn is_mirrored(&self) -> bool {
+    pub(super) fn is_mirrored(&self) -> bool {
         self.mirrored
     }
 
@@ -44,7 +54,30 @@ impl Placement {
     }
 
     /// Where a normal points, by the inverse transpose; not of unit length.
-    pub fn normal(&self, n: Vec3) -> Vec3 {
+    pub(super) fn normal(&self, n: Vec3) -> Vec3 {
         self.normals * n
+    }
+
+    /// The affine map from where this puts an object to where `other` puts it.
+    pub fn towards(&self, other: &Placement) -> Shift {
+        if self == other {
+            return Shift { linear: Mat3::IDENTITY, from: Vec3::ZERO, to: Vec3::ZERO };
+        }
+        Shift { linear: other.linear * self.linear.inverse(), from: self.translation, to: other.translation }
+    }
+}
+
+/// How far an object's points move from one placement to another; exactly nowhere between equal ones.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shift {
+    linear: Mat3,
+    from: Vec3,
+    to: Vec3,
+}
+
+impl Shift {
+    /// Where a point of the scene goes.
+    pub fn position(&self, p: Vec3) -> Vec3 {
+        self.linear * (p - self.from) + self.to
     }
 }

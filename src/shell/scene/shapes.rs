@@ -1,22 +1,22 @@
-//! Shapes the scene file knows by name, as triangles: sphere and rectangle.
+//! Shapes the scene file knows by name, as triangles: sphere and square.
 
 use super::assemble::Corner;
 use glam::Vec3;
 
-/// A sphere as an icosahedron whose triangles are split in four `subdivisions` times, with the sphere's normals.
-pub(super) fn sphere(center: Vec3, radius: f32, subdivisions: u32) -> Vec<[Corner; 3]> {
+/// The unit sphere as an icosahedron whose triangles are split in four `subdivisions` times, with the sphere's normals.
+pub(super) fn sphere(subdivisions: u32) -> Vec<[Corner; 3]> {
     let mut triangles = icosahedron();
     for _ in 0..subdivisions {
         triangles = triangles.into_iter().flat_map(split).collect();
     }
-    let corner = |n: Vec3| Corner { position: center + radius * n, normal: n, ..Corner::default() };
+    let corner = |n: Vec3| Corner { position: n, normal: n, ..Corner::default() };
     triangles.into_iter().map(|t| t.map(corner)).collect()
 }
 
-/// A rectangle of half edges `u` and `v`, its front along `u × v`.
-pub(super) fn rectangle(center: Vec3, u: Vec3, v: Vec3) -> [[Corner; 3]; 2] {
-    let [a, b, c, d] = [center - u - v, center + u - v, center + u + v, center - u + v]
-        .map(|position| Corner { position, ..Corner::default() });
+/// The square of corners (±1, ±1, 0), its front along z.
+pub(super) fn square() -> [[Corner; 3]; 2] {
+    let [a, b, c, d] = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
+        .map(|(x, y)| Corner { position: Vec3::new(x, y, 0.0), ..Corner::default() });
     [[a, b, c], [a, c, d]]
 }
 

@@ -30,6 +30,10 @@ checked!(
     Positive(f32), "a finite number above 0", |v| v.is_finite() && *v > 0.0
 );
 checked!(
+    /// A factor that may be 0.
+    Power(f32), "a finite number, not below 0", |v| v.is_finite() && *v >= 0.0
+);
+checked!(
     /// The width of a lobe.
     Unit(f32), "a number above 0, at most 1", |v| *v > 0.0 && *v <= 1.0
 );

@@ -4,7 +4,7 @@ use super::super::Row;
 use super::super::ratio::Ratio;
 use super::super::report::Report;
 use super::super::table::{number, significant};
-use super::{MEASURES, Measure, methods, named};
+use super::{Measure, measures as columns, methods, named};
 
 /// Columns of what was measured, after the method's.
 const HEADS: [&str; 10] = [
@@ -22,8 +22,8 @@ const HEADS: [&str; 10] = [
 
 /// How much better than uniform sampling.
 pub fn ratios(report: &Report) -> String {
-    let columns = MEASURES.map(|(name, ..)| name);
-    let names = columns.iter().enumerate().map(|(i, name)| {
+    let count = columns(report).len();
+    let names = columns(report).iter().enumerate().map(|(i, (name, ..))| {
         let left = if i == 0 { " class='left'" } else { "" };
         format!("<th{left}>{name}</th>")
     });
@@ -32,8 +32,8 @@ pub fn ratios(report: &Report) -> String {
     let rows: String = pairs.map(|(same, time)| ratio_line(report, same, time)).collect();
     format!(
         "<h2>Uniform ÷ method</h2>\n<table>\n<tr><th colspan='2'></th>\
-         <th class='group left' colspan='3'>at equal samples</th>\
-         <th class='group left' colspan='3'>at equal time</th><th class='left'></th></tr>\n\
+         <th class='group left' colspan='{count}'>at equal samples</th>\
+         <th class='group left' colspan='{count}'>at equal time</th><th class='left'></th></tr>\n\
          <tr><th class='name'>method</th><th>spp</th>{names}{names}<th class='left'>P-Eff gain</th></tr>\n\
          {rows}</table>\n\
          <p class='note'>Above 1 the method has less error than uniform sampling. At equal time uniform’s error is \
@@ -50,25 +50,26 @@ fn ratio_line(report: &Report, same: &Ratio, time: &Ratio) -> String {
         if first { " class='first'" } else { "" },
         named(method, &same.method),
         same.spp,
-        ratio_cells(same),
-        ratio_cells(time),
+        ratio_cells(report, same),
+        ratio_cells(report, time),
         number(same.p_eff_gain),
     )
 }
 
-fn ratio_cells(ratio: &Ratio) -> String {
-    let cell = |(i, (_, _, of)): (usize, Measure)| {
+fn ratio_cells(report: &Report, ratio: &Ratio) -> String {
+    let cell = |(i, &(_, _, of)): (usize, &Measure)| {
         let left = if i == 0 { " class='left'" } else { "" };
         let error = ratio.stderr.as_ref().map(of).filter(|error| error.is_finite());
         let error = error.map_or(String::new(), |error| format!(" <small>± {error:.2}</small>"));
         format!("<td{left}>{}{error}</td>", number(of(&ratio.measures)))
     };
-    MEASURES.into_iter().enumerate().map(cell).collect()
+    columns(report).iter().enumerate().map(cell).collect()
 }
 
 /// Every number that was measured.
 pub fn measures(report: &Report) -> String {
-    let heads: String = HEADS.iter().map(|head| format!("<th>{head}</th>")).collect();
+    let flicker = (!report.frames.is_empty()).then_some("flicker");
+    let heads: String = HEADS.into_iter().chain(flicker).map(|head| format!("<th>{head}</th>")).collect();
     let rows = methods(report).enumerate().flat_map(|(method, rows)| {
         let line = move |(i, row): (usize, &Row)| measure_line(method, row, i == 0);
         rows.into_iter().enumerate().map(line).collect::<Vec<String>>()
@@ -84,10 +85,11 @@ pub fn measures(report: &Report) -> String {
 fn measure_line(method: usize, row: &Row, first: bool) -> String {
     let m = &row.measures;
     let small = |value: f64| format!("<td>{}</td>", significant(value, 4));
+    let flicker = if m.flicker.is_nan() { String::new() } else { small(m.flicker) };
     let numbers = [m.err, row.p_eff, m.err_lowpass, m.mse, m.rel_mse, m.rel_mse_trimmed].map(small).concat();
     format!(
         "<tr{}><td class='name'>{}</td><td>{}</td><td>{}</td><td>{:.3}</td>{numbers}\
-         <td>{:+.3} % <small>± {:.3}</small></td></tr>\n",
+         <td>{:+.3} % <small>± {:.3}</small></td>{flicker}</tr>\n",
         if first { " class='first'" } else { "" },
         named(method, &row.method),
         row.spp,

@@ -1,0 +1,232 @@
+//! The command `render --frames`: frame after frame, kept, resumed, and made into a video.
+
+use crate::cli::Render;
+use crate::commands::{Failure, bad, blame, failed, load, look, output_name, render_settings, say};
+use crate::{progress, report};
+use indicatif::ProgressBar;
+use pmcip::compare::reference::fingerprint;
+use pmcip::frame_io;
+use pmcip::output;
+use pmcip::render;
+use pmcip::scene::{Animation, LoadedScene};
+use pmcip::sequence::{self, Range, State};
+use pmcip::settings::Settings;
+use pmcip::video::{self, Video};
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
+use std::path::PathBuf;
+
+/// A frame, as a line of JSON.
+#[derive(Serialize)]
+struct Line<'a> {
+    frame: u32,
+    /// Whether it was there already.
+    kept: bool,
+    /// Seconds that the hierarchy took, if an object has moved.
+    rebuild_seconds: Option<f64>,
+    files: &'a [PathBuf; 2],
+    #[serde(flatten)]
+    rendered: Option<report::Rendered<'a>>,
+}
+
+/// Times of the frames rendered.
+#[derive(Default)]
+struct Total {
+    rendered: u32,
+    kept: u32,
+    seconds: f64,
+    /// Samples a pixel.
+    spp: f64,
+    rebuilds: u32,
+    rebuild_seconds: f64,
+}
+
+/// How a frame is rendered.
+struct Task {
+    settings: Settings,
+    /// What its file will say.
+    attributes: BTreeMap<String, String>,
+    /// Seconds that the hierarchy took, if an object has moved.
+    rebuild_seconds: Option<f64>,
+}
+
+/// A sequence being rendered.
+struct Sequence<'a> {
+    arguments: &'a Render,
+    animation: Animation,
+    /// The files' name without a number.
+    name: PathBuf,
+    frames: RangeInclusive<u32>,
+    /// Samples a pixel that the frame before took, if frames can end early.
+    spent_spp: Option<u32>,
+    total: Total,
+}
+
+/// Renders the frames of `range` that are not there, and the video.
+pub fn render_frames(arguments: &Render, range: Range) -> Result<(), Failure> {
+    let animation = load(&arguments.common)?;
+    let frames = range.within(animation.frames().map(|f| (f.first, f.last))).map_err(bad)?;
+    let name = output_name(arguments, animation.scene());
+    let mut sequence =
+        Sequence { arguments, animation, name, frames, spent_spp: None, total: Total::default() };
+    let kept = sequence.find_kept()?;
+    sequence.prepare()?;
+    let settings = render_settings(sequence.animation.scene(), arguments)?;
+    let missing = sequence.frames.clone().count() - kept.len();
+    let bar =
+        progress::bar(settings.pixels(), u64::from(settings.spp) * missing as u64, arguments.common.quiet);
+    for frame in sequence.frames.clone() {
+        bar.set_message(format!("frame {frame} of {}", sequence.frames.end()));
+        if kept.contains(&frame) { sequence.keep(frame)? } else { sequence.render(frame, &bar)? }
+    }
+    bar.finish_and_clear();
+    let video = sequence.make_video();
+    if !arguments.json && !arguments.common.quiet {
+        say(&sequence.summary(&settings, video.is_ok()));
+    }
+    video
+}
+
+impl Sequence<'_> {
+    fn files(&self, frame: u32) -> [PathBuf; 2] {
+        let exr = sequence::path(&self.name, frame);
+        let png = exr.with_extension("png");
+        [exr, png]
+    }
+
+    /// Brings the scene to a frame, and says how that is rendered.
+    fn seek(&mut self, frame: u32) -> Result<Task, Failure> {
+        let change = self.animation.seek(frame).map_err(bad)?;
+        let scene = self.animation.scene();
+        let mut settings = render_settings(scene, self.arguments)?;
+        settings.sampler.frame = frame;
+        if let Some(target) = &mut settings.target {
+            target.expected_spp = self.spent_spp;
+        }
+        let attributes = attributes(scene, &settings);
+        Ok(Task { settings, attributes, rebuild_seconds: change.geometry })
+    }
+
+    /// The frames that are complete; one that was made otherwise is an error unless it may be overwritten.
+    fn find_kept(&mut self) -> Result<Vec<u32>, Failure> {
+        let mut kept = Vec::new();
+        for frame in self.frames.clone() {
+            let [exr, _] = self.files(frame);
+            if !exr.exists() {
+                continue;
+            }
+            match sequence::state(&exr, &self.seek(frame)?.attributes) {
+                State::Complete => kept.push(frame),
+                State::Other(why) if !self.arguments.overwrite => {
+                    let remedy = "give another name with -o, or --overwrite";
+                    return Err(bad(format!("{} is another frame: {why}; {remedy}", exr.display())));
+                }
+                _ => {}
+            }
+        }
+        Ok(kept)
+    }
+
+    /// Makes sure that files can be written and that the camera sees something, before hours of work depend on it.
+    fn prepare(&mut self) -> Result<(), Failure> {
+        let first = *self.frames.start();
+        let video = self.arguments.video.as_slice();
+        self.files(first).iter().chain(video).try_for_each(|path| output::check(path)).map_err(bad)?;
+        if !video.is_empty() && !video::available() && !self.arguments.common.quiet {
+            eprintln!("warning: {}; the frames are rendered all the same", video::MISSING);
+        }
+        let settings = self.seek(first)?.settings;
+        look(self.animation.scene(), &settings, &self.arguments.common)
+    }
+
+    /// Passes over a frame that is complete; its PNG follows the exposure asked for now.
+    fn keep(&mut self, frame: u32) -> Result<(), Failure> {
+        let files = self.files(frame);
+        let picture = frame_io::read_exr(&files[0]).map_err(failed)?;
+        frame_io::write_png(&files[1], &picture, self.arguments.exposure).map_err(failed)?;
+        let spent = picture.attributes.get("spent_spp").and_then(|spp| spp.parse::<f64>().ok());
+        self.spent_spp = spent.map(|spp| spp as u32);
+        self.total.kept += 1;
+        self.print(&Line { frame, kept: true, rebuild_seconds: None, files: &files, rendered: None });
+        Ok(())
+    }
+
+    fn render(&mut self, frame: u32, bar: &ProgressBar) -> Result<(), Failure> {
+        let Task { settings, attributes, rebuild_seconds } = self.seek(frame)?;
+        let scene = self.animation.scene();
+        scene.require_light().map_err(bad)?;
+        let threads = self.arguments.common.threads;
+        let done = render::render(scene, &settings, threads, &|samples| bar.inc(samples)).map_err(blame)?;
+        let mut picture = done.picture(&settings, scene);
+        picture.attributes.extend(attributes);
+        let files = self.files(frame);
+        // The PNG first: where the EXR is, all of the frame is.
+        frame_io::write_png(&files[1], &picture, self.arguments.exposure).map_err(failed)?;
+        frame_io::write_exr(&files[0], &picture).map_err(failed)?;
+        let rendered = Some(report::Rendered::new(scene, &settings, &done, &files));
+        self.print(&Line { frame, kept: false, rebuild_seconds, files: &files, rendered });
+        self.spent_spp = done.estimated_err.map(|_| done.spp() as u32);
+        self.total.rendered += 1;
+        self.total.spp += done.spp();
+        self.total.seconds += done.seconds;
+        self.total.rebuilds += u32::from(rebuild_seconds.is_some());
+        self.total.rebuild_seconds += rebuild_seconds.unwrap_or(0.0);
+        Ok(())
+    }
+
+    fn print(&self, line: &Line) {
+        if self.arguments.json {
+            // Plain data with string keys: it cannot fail to become JSON.
+            say(&serde_json::to_string(line).unwrap_or_default());
+        }
+    }
+
+    fn make_video(&self) -> Result<(), Failure> {
+        let Some(file) = self.arguments.video.clone() else { return Ok(()) };
+        let of_scene = self.animation.frames().map_or(24.0, |frames| frames.fps);
+        let video = Video {
+            file,
+            pictures: self.name.with_extension("png"),
+            frames: self.frames.clone(),
+            fps: self.arguments.fps.unwrap_or(of_scene),
+        };
+        video.make().map_err(|error| failed(format!("{error}; the frames are complete")))
+    }
+
+    fn summary(&self, settings: &Settings, has_video: bool) -> String {
+        let Total { rendered, kept, seconds, spp, rebuilds, rebuild_seconds } = self.total;
+        let scene = self.animation.scene();
+        let core = &settings.sampler;
+        let (first, last) = (self.frames.start(), self.frames.end());
+        let mut text = format!(
+            "{}: frames {first} to {last}, {}×{} pixels, {} samples per pixel, sampler {}, seed {}\n",
+            scene.name, core.width, core.height, settings.spp, settings.method, core.seed
+        );
+        let each = seconds / f64::from(rendered.max(1));
+        text +=
+            &format!("{rendered} rendered in {seconds:.1} s, {each:.2} s each; {kept} were there already\n");
+        if let Some(target) = settings.target.filter(|_| rendered > 0) {
+            let spp = spp / f64::from(rendered);
+            text +=
+                &format!("{spp:.1} samples per pixel on average for an estimated Err below {}\n", target.err);
+        }
+        if rebuilds > 0 {
+            let each = 1e3 * rebuild_seconds / f64::from(rebuilds);
+            text += &format!("the hierarchy was built {rebuilds} times, {each:.1} ms each\n");
+        }
+        let [a, b] = [self.files(*first), self.files(*last)].map(|[exr, _]| exr.display().to_string());
+        text += &format!("wrote {a} to {b}, each with a PNG");
+        if let Some(video) = self.arguments.video.as_ref().filter(|_| has_video) {
+            text += &format!(", and {}", video.display());
+        }
+        text + "\n"
+    }
+}
+
+/// What the file of a frame says: its settings, and the hash of the scene as it is in this frame.
+fn attributes(scene: &LoadedScene, settings: &Settings) -> BTreeMap<String, String> {
+    let mut attributes = render::attributes(scene, settings);
+    attributes.insert("scene_hash".into(), fingerprint(scene, settings));
+    attributes
+}

@@ -1,0 +1,206 @@
+//! Keys of the scene file: what TOML may say about change, and the tracks it makes.
+
+use super::animation::{CameraTrack, GlowTrack, ObjectTrack};
+use super::file::{CameraTable, LightTable, MaterialTable, MeshTable, SphereTable};
+use super::place::Placement;
+use super::track::{Interpolation, Swing, Track, Turn};
+use super::value::{FieldOfView, Point, Positive, Power, Radiance, Scale};
+use glam::{Quat, Vec3};
+use serde::Deserialize;
+use toml::Spanned;
+
+/// Keys of one table, and how it gets from one to the next.
+pub(super) type Keys<K> = Vec<Spanned<K>>;
+
+/// A key: what is so in a frame.
+pub(super) trait Key {
+    fn frame(&self) -> u32;
+}
+
+/// Declares a key of properties that may be left out.
+macro_rules! key {
+    ($(#[$doc:meta])* $name:ident { $($property:ident: $kind:ty),* }) => {
+        $(#[$doc])*
+        #[derive(Deserialize)]
+        #[serde(deny_unknown_fields)]
+        pub(super) struct $name {
+            frame: u32,
+            $($property: Option<$kind>,)*
+        }
+
+        impl Key for $name {
+            fn frame(&self) -> u32 {
+                self.frame
+            }
+        }
+    };
+}
+
+key!(
+    /// A key of the camera.
+    CameraKey { from: Point, at: Point, up: Point, fov: FieldOfView }
+);
+key!(
+    /// A key of a mesh.
+    MeshKey { translate: Point, rotate: Point, scale: Scale }
+);
+key!(
+    /// A key of a sphere.
+    SphereKey { center: Point, radius: Positive }
+);
+key!(
+    /// A key of a light.
+    LightKey { center: Point, edge_u: Point, edge_v: Point, radiance: Radiance, power: Power }
+);
+key!(
+    /// A key of a material.
+    MaterialKey { emission: Radiance }
+);
+
+/// What is wrong with keys, and where.
+pub(super) type Fault = (usize, String);
+
+/// Checks that keys come in the order of their frames.
+pub(super) fn check<K: Key>(keys: &Keys<K>) -> Result<(), Fault> {
+    for pair in keys.windows(2) {
+        let (a, b) = (pair[0].get_ref().frame(), pair[1].get_ref().frame());
+        if a >= b {
+            return Err((pair[1].span().start, format!("keys: frame {b} does not come after frame {a}")));
+        }
+    }
+    Ok(())
+}
+
+/// The keys that name a property.
+fn named<K: Key, V>(keys: &Keys<K>, value: impl Fn(&K) -> Option<V>) -> Vec<(u32, V)> {
+    keys.iter().filter_map(|key| Some((key.get_ref().frame(), value(key.get_ref())?))).collect()
+}
+
+/// A point that follows its keys.
+fn points<K: Key>(
+    keys: &Keys<K>,
+    blend: Interpolation,
+    still: Vec3,
+    value: impl Fn(&K) -> Option<Point>,
+) -> Track<3> {
+    Track::new(still.to_array(), named(keys, |key| value(key).map(|v| v.0)), blend, Swing::Free)
+}
+
+impl CameraTable {
+    /// The camera over time.
+    pub fn track(&self) -> CameraTrack {
+        let (keys, blend) = (&self.keys, self.interpolation);
+        let up = self.up.map_or(Vec3::Y, |up| up.vec3());
+        CameraTrack {
+            from: points(keys, blend, self.from.vec3(), |k| k.from),
+            at: points(keys, blend, self.at.vec3(), |k| k.at),
+            up: points(keys, blend, up, |k| k.up),
+            fov: Track::new([self.fov.0], named(keys, |k| k.fov.map(|v| [v.0])), blend, Swing::Bounded),
+        }
+    }
+}
+
+/// Turns about the fixed x, y and z axis in this order, by degrees.
+fn rotation(degrees: Point) -> Quat {
+    let turn = |axis, angle: f32| Quat::from_axis_angle(axis, angle.to_radians());
+    let degrees = degrees.vec3();
+    turn(Vec3::Z, degrees.z) * turn(Vec3::Y, degrees.y) * turn(Vec3::X, degrees.x)
+}
+
+impl MeshTable {
+    /// The mesh's place over time.
+    ///
+    /// # Errors
+    /// If a factor of the scale changes its sign, which would flatten the mesh on the way.
+    pub fn track(&self) -> Result<ObjectTrack, Fault> {
+        let (keys, blend) = (&self.keys, self.interpolation);
+        let mut last: Option<Vec3> = None;
+        for key in keys {
+            let Some(scale) = key.get_ref().scale.map(Scale::factors) else { continue };
+            if last.is_some_and(|last| (last * scale).min_element() < 0.0) {
+                return Err((key.span().start, "keys: a factor of scale changes its sign".into()));
+            }
+            last = Some(scale);
+        }
+        let still = self.scale.map_or(Vec3::ONE, Scale::factors).to_array();
+        let scales = named(keys, |k| k.scale.map(|v| v.factors().to_array()));
+        Ok(ObjectTrack::Mesh {
+            scale: Track::new(still, scales, blend, Swing::Bounded),
+            rotate: Turn::new(
+                self.rotate.map_or(Quat::IDENTITY, rotation),
+                named(keys, |k| k.rotate.map(rotation)),
+                blend,
+            ),
+            translate: points(keys, blend, self.translate.map_or(Vec3::ZERO, |v| v.vec3()), |k| k.translate),
+        })
+    }
+
+    /// Frames between which angles differ by more than half a turn, which no rotation follows.
+    pub fn long_turn(&self) -> Option<(u32, u32)> {
+        let turns = named(&self.keys, |k| k.rotate.map(|v| v.vec3()));
+        let far = turns.windows(2).find(|pair| (pair[1].1 - pair[0].1).abs().max_element() > 180.0)?;
+        Some((far[0].0, far[1].0))
+    }
+}
+
+impl SphereTable {
+    /// The sphere's place over time.
+    pub fn track(&self) -> ObjectTrack {
+        let (keys, blend) = (&self.keys, self.interpolation);
+        let radii = named(keys, |k| k.radius.map(|v| [v.0]));
+        ObjectTrack::Sphere {
+            center: points(keys, blend, self.center.vec3(), |k| k.center),
+            radius: Track::new([self.radius.0], radii, blend, Swing::Bounded),
+        }
+    }
+}
+
+impl LightTable {
+    /// The light's place over time.
+    pub fn track(&self) -> ObjectTrack {
+        let (keys, blend) = (&self.keys, self.interpolation);
+        ObjectTrack::Light {
+            center: points(keys, blend, self.center.vec3(), |k| k.center),
+            edge_u: points(keys, blend, self.edge_u.vec3(), |k| k.edge_u),
+            edge_v: points(keys, blend, self.edge_v.vec3(), |k| k.edge_v),
+        }
+    }
+
+    /// The light's place in a frame.
+    ///
+    /// # Errors
+    /// If it has no area.
+    pub fn placement(&self, frame: u32) -> Result<Placement, &'static str> {
+        self.track().at(frame)
+    }
+
+    /// The radiance over time, of this material.
+    pub fn glow(&self, material: u32) -> GlowTrack {
+        let (keys, blend) = (&self.keys, self.interpolation);
+        let powers = named(keys, |k| k.power.map(|v| [v.0]));
+        GlowTrack {
+            material,
+            emission: Track::new(
+                self.radiance.0,
+                named(keys, |k| k.radiance.map(|v| v.0)),
+                blend,
+                Swing::Bounded,
+            ),
+            power: Track::new([self.power.map_or(1.0, |v| v.0)], powers, blend, Swing::Bounded),
+        }
+    }
+}
+
+impl MaterialTable {
+    /// The emission over time, of this material.
+    pub fn glow(&self, material: u32) -> GlowTrack {
+        let (keys, blend) = (&self.keys, self.interpolation);
+        let emissions = named(keys, |k| k.emission.map(|v| v.0));
+        let still = self.emission.map_or([0.0; 3], |v| v.0);
+        GlowTrack {
+            material,
+            emission: Track::new(still, emissions, blend, Swing::Bounded),
+            power: Track::new([1.0], [], Interpolation::Linear, Swing::Bounded),
+        }
+    }
+}

@@ -1,0 +1,167 @@
+//! Puts the triangles of all objects where a frame wants them, and builds the hierarchy over them.
+
+use super::assemble::Corner;
+use super::bvh;
+use super::place::Placement;
+use glam::Vec3;
+use pmcip_core::scene::{Leaf8, Node8, Surface, Triangle};
+use std::path::PathBuf;
+
+/// The height of a triangle over its longest edge below which it is a line to `f32` arithmetic.
+const DEGENERATE_HEIGHT: f64 = 1e-6;
+
+/// How far a shading normal may lean towards the back: its least cosine with the geometric normal.
+const LEAST_COSINE: f32 = 0.01;
+
+/// Triangles that move together, in coordinates of their own.
+#[derive(Clone, Debug)]
+pub(super) struct Object {
+    /// The file to name in warnings.
+    pub source: PathBuf,
+    pub pieces: Vec<Piece>,
+}
+
+/// A triangle of an object.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Piece {
+    pub corners: [Corner; 3],
+    pub material: u32,
+}
+
+/// All objects in their places.
+#[derive(Debug, Default)]
+pub(super) struct Geometry {
+    pub nodes: Vec<Node8>,
+    pub leaves: Vec<Leaf8>,
+    pub triangles: Vec<Triangle>,
+    pub surfaces: Vec<Surface>,
+    /// The object of each triangle.
+    pub objects: Vec<u32>,
+    /// The box around all triangles.
+    pub bounds: (Vec3, Vec3),
+    pub warnings: Vec<String>,
+}
+
+/// What was odd about the triangles of one object.
+#[derive(Debug, Default)]
+struct Oddities {
+    degenerate: usize,
+    backward: usize,
+}
+
+/// Poses `objects`, each by its placement, and builds the hierarchy.
+///
+/// # Errors
+/// If nothing has an area, or a vertex is at infinity.
+pub(super) fn pose(objects: &[Object], placements: &[Placement]) -> Result<Geometry, &'static str> {
+    let mut geometry = place(objects, placements)?;
+    geometry.sort();
+    Ok(geometry)
+}
+
+/// Poses `objects`; there is no hierarchy yet.
+///
+/// # Errors
+/// If nothing has an area, or a vertex is at infinity.
+pub(super) fn place(objects: &[Object], placements: &[Placement]) -> Result<Geometry, &'static str> {
+    let mut geometry = Geometry::default();
+    for (number, (object, placement)) in objects.iter().zip(placements).enumerate() {
+        let mut odd = Oddities::default();
+        object.pieces.iter().for_each(|piece| geometry.add(piece, placement, number as u32, &mut odd));
+        geometry.warn(object, odd);
+    }
+    if geometry.triangles.is_empty() {
+        return Err("the scene is empty: no triangle has an area");
+    }
+    geometry.bounds = bounds(&geometry.triangles);
+    if !(geometry.bounds.0.is_finite() && geometry.bounds.1.is_finite()) {
+        return Err("a transform moves a vertex to infinity");
+    }
+    Ok(geometry)
+}
+
+impl Geometry {
+    /// Adds a triangle, or counts it if it has no area.
+    fn add(&mut self, piece: &Piece, placement: &Placement, object: u32, odd: &mut Oddities) {
+        let mut placed = piece.corners.map(|c| Corner {
+            position: placement.position(c.position),
+            normal: placement.normal(c.normal).normalize_or_zero(),
+            uv: c.uv,
+        });
+        if placement.is_mirrored() {
+            placed.swap(1, 2);
+        }
+        let positions = placed.map(|c| c.position);
+        let Some(front) = front_of(positions) else {
+            odd.degenerate += 1;
+            return;
+        };
+        let normals = shading_normals(placed.map(|c| c.normal), front, odd);
+        self.triangles.push(Triangle { corners: positions.map(|p| p.to_array()) });
+        self.surfaces.push(Surface {
+            normals: normals.map(|n| n.to_array()),
+            uv: placed.map(|c| c.uv.to_array()),
+            material: piece.material,
+        });
+        self.objects.push(object);
+    }
+
+    /// Reports what was odd about an object.
+    fn warn(&mut self, object: &Object, odd: Oddities) {
+        let name = object.source.display();
+        if odd.degenerate > 0 {
+            self.warnings.push(format!("{name}: {} triangles without area left out", odd.degenerate));
+        }
+        if odd.backward > 0 {
+            let count = odd.backward;
+            let what = "triangles have normals on the back of their winding; turned";
+            self.warnings.push(format!("{name}: {count} {what}"));
+        }
+    }
+
+    /// Builds the hierarchy and brings everything into the order of its leaves.
+    pub fn sort(&mut self) {
+        let bvh = bvh::build(&self.triangles);
+        self.triangles = bvh.order.iter().map(|&i| self.triangles[i as usize]).collect();
+        self.surfaces = bvh.order.iter().map(|&i| self.surfaces[i as usize]).collect();
+        self.objects = bvh.order.iter().map(|&i| self.objects[i as usize]).collect();
+        (self.nodes, self.leaves) = (bvh.nodes, bvh.leaves);
+    }
+}
+
+/// The box around all triangles.
+fn bounds(triangles: &[Triangle]) -> (Vec3, Vec3) {
+    let positions = triangles.iter().flat_map(|t| t.corners).map(Vec3::from);
+    positions.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)))
+}
+
+/// The unit normal of the side from which the corners run counter-clockwise; none without an area.
+fn front_of([a, b, c]: [Vec3; 3]) -> Option<Vec3> {
+    let (u, v) = ((b - a).as_dvec3(), (c - a).as_dvec3());
+    let area = u.cross(v);
+    let longest_squared = u.length_squared().max(v.length_squared()).max((u - v).length_squared());
+    let slender = area.length() <= DEGENERATE_HEIGHT * longest_squared;
+    let in_f32 = (b - a).cross(c - a).length_squared();
+    (!slender && in_f32.is_normal()).then(|| area.normalize().as_vec3())
+}
+
+/// Normals on the front side, or none if a corner has none.
+fn shading_normals(normals: [Vec3; 3], front: Vec3, odd: &mut Oddities) -> [Vec3; 3] {
+    if normals.iter().any(|n| *n == Vec3::ZERO || !n.is_finite()) {
+        return [Vec3::ZERO; 3];
+    }
+    let backward = normals.iter().map(|n| n.dot(front)).sum::<f32>() < 0.0;
+    odd.backward += usize::from(backward);
+    let sign = if backward { -1.0 } else { 1.0 };
+    normals.map(|n| raised(sign * n, front))
+}
+
+/// A normal that leans to the back, raised to the front.
+fn raised(normal: Vec3, front: Vec3) -> Vec3 {
+    let cosine = normal.dot(front);
+    if cosine >= LEAST_COSINE {
+        return normal;
+    }
+    let along = (normal - cosine * front).normalize_or_zero();
+    along * (1.0 - LEAST_COSINE * LEAST_COSINE).sqrt() + front * LEAST_COSINE
+}

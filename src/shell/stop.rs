@@ -1,0 +1,189 @@
+//! Stopping a frame when it is good enough: an estimate of its Err without a reference.
+//!
+//! After every iteration a [`Judge`] compares the film with what it was when it had a third to half of the samples. With Q and n
+//! a pixel's mean luminance and count now, Q' and n' those of then, (Q − Q')²·n'/(n − n') estimates the variance of Q:
+//! the samples before and after are two halves, each with its own stratification, which the variance of single
+//! samples knows nothing of. Err is the mean of that over the threshold of vision, at the mean luminance of 5×5 pixels:
+//! a pixel's own would take a firefly for a bright place, where more noise may be. A pixel without samples in one
+//! of the halves counts with the variance of its samples.
+//!
+//! Two halves of a stratified set know nothing of each other, yet together they do better than chance: the estimate
+//! is divided by [`STRATIFIED`], found by measurement.
+//!
+//! [`Growth`] is the schedule of such a frame: iterations that grow with what has been spent, so that a frame ends at
+//! most an eighth later than it could, or as large as those of a frame of the length that the frame before needed.
+//!
+//! # Calibration
+//!
+//! `cargo run --release --example target -- 24 48 4096`: means of 24 frames of 48×48 pixels, estimated over true Err, at
+//! fixed lengths and where a target has stopped the frame (`caustic` was measured with films kept at other moments):
+//!
+//! | samples a pixel | 8 | 16 | 32 | 64 | stopped at 13–25 | stopped at 33–47 |
+//! | --- | --- | --- | --- | --- | --- | --- |
+//! | `cornell`, uniform | 1.60 | 1.48 | 1.42 | 1.43 | 1.39 | 1.27 |
+//! | `cornell`, pmc | 1.16 | 1.08 | 1.06 | 1.02 | 1.06 | 1.05 |
+//! | `caustic`, uniform | 1.02 | 1.11 | 0.93 | 0.98 | 1.01 | 0.89 |
+//! | `caustic`, pmc | 1.10 | 0.79 | 0.87 | 0.71 | 0.90 | 0.73 |
+//!
+//! One estimate spreads by 3 to 20 % on `cornell`, by 20 to 30 % on `caustic` (at 8 samples up to 100 %). The energy bias
+//! of stopped frames is within 2.1 standard errors of 0 everywhere (`caustic` −0.08 % ± 0.12, `cornell` +0.02 % ± 0.06).
+//!
+//! Limits: a rule that stops on a frame's own samples stops rather where they were lucky. What no sample has found, no
+//! estimate knows of: before eight samples a pixel nothing is stopped.
+
+use crate::error::Error;
+use crate::metrics::{acuity, box_mean, luminance};
+use crate::render::zeros;
+use pmcip_core::allocate::MAX_SAMPLES;
+use pmcip_core::estimate::{Estimator, Lanes};
+use pmcip_core::sampler::Sampler;
+
+/// How many times the variance of two halves overstates that of both together.
+pub const STRATIFIED: f64 = 1.1;
+
+/// Samples a pixel before which no frame ends.
+pub const LEAST_SPP: u64 = 8;
+
+/// Half the side of the box whose mean luminance noise is judged by: 5×5 pixels.
+const RADIUS: usize = 2;
+
+/// Samples a pixel of the first iteration, and of the others at least.
+const PILOT_SPP: u32 = 2;
+
+/// When a frame may end before its samples are spent.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Target {
+    /// Estimated Err below which it ends, above 0.
+    pub err: f32,
+    /// Samples a pixel that the frame will presumably take: what the one before took.
+    pub expected_spp: Option<u32>,
+}
+
+/// Samples of the iterations of a frame that may end early: whole samples a pixel.
+///
+/// ```
+/// use pmcip::stop::Growth;
+///
+/// let early = [2; 12].into_iter().chain([3, 3, 3, 4, 4, 5, 5, 6, 7, 8, 9, 10, 9]);
+/// assert!(Growth::new(10, 100, None).map(|n| n / 10).eq(early));
+/// assert!(Growth::new(10, 100, Some(80)).take(17).map(|n| n / 10).eq([5; 16].into_iter().chain([10])));
+/// ```
+#[derive(Clone, Debug)]
+pub struct Growth {
+    pixels: u64,
+    most: u32,
+    expected: u32,
+    spent: u32,
+}
+
+impl Growth {
+    /// At most `most` samples a pixel, presumably `expected`.
+    pub fn new(pixels: u64, most: u32, expected: Option<u32>) -> Growth {
+        Growth { pixels, most, expected: expected.unwrap_or(0).min(most), spent: 0 }
+    }
+}
+
+impl Iterator for Growth {
+    type Item = u64;
+
+    fn next(&mut self) -> Option<u64> {
+        let part = if self.spent < self.expected { self.expected / 16 } else { self.spent / 8 };
+        let limit = (MAX_SAMPLES / self.pixels.max(1)).max(1);
+        let spp =
+            part.max(PILOT_SPP).min(self.most - self.spent).min(u32::try_from(limit).unwrap_or(u32::MAX));
+        self.spent += spp;
+        (spp > 0).then(|| self.pixels * u64::from(spp))
+    }
+}
+
+/// The film as it was after an iteration.
+#[derive(Clone, Debug, Default)]
+struct Film {
+    samples: u64,
+    light: Vec<f32>,
+    count: Vec<u32>,
+}
+
+/// Number of the last of 1, 2, 3, 4, 6, 8, 12, 16, 24, … samples a pixel that has been reached, 0 for none: where films
+/// are kept. Powers of two are where Sobol points are best.
+fn mark(spp: u64) -> u32 {
+    match spp {
+        0 => 0,
+        spp => 1 + 2 * spp.ilog2() + u32::from(2 * spp >= 3 << spp.ilog2()),
+    }
+}
+
+/// Watches a film and estimates its Err.
+#[derive(Clone, Debug)]
+pub struct Judge {
+    width: usize,
+    cd_per_unit: f64,
+    now: Film,
+    /// The last four that were kept, the oldest first: see [`mark`].
+    before: [Film; 4],
+    rgb: Vec<f32>,
+    variance: Vec<f32>,
+    scratch: Vec<Lanes>,
+}
+
+impl Judge {
+    /// A judge of a film of this size; it takes 56 bytes a pixel and the sampler's scratch.
+    ///
+    /// # Errors
+    /// [`Error::Work`] if there is no memory for that.
+    pub fn new(width: u32, height: u32, cd_per_unit: f32) -> Result<Judge, Error> {
+        let pixels = width as usize * height as usize;
+        Ok(Judge {
+            width: width as usize,
+            cd_per_unit: f64::from(cd_per_unit),
+            now: Film { samples: 0, light: zeros(pixels)?, count: zeros(pixels)? },
+            before: Default::default(),
+            rgb: zeros(3 * pixels)?,
+            variance: zeros(pixels)?,
+            scratch: zeros(Sampler::resolve_scratch(width, height))?,
+        })
+    }
+
+    /// The estimated Err of a film after an iteration, of which it must be shown every one; none after the first.
+    ///
+    /// # Errors
+    /// [`Error::Work`] if the film has another size.
+    pub fn look(&mut self, film: &Sampler<'_>) -> Result<Option<f64>, Error> {
+        let fault = |error: pmcip_core::sampler::Error| Error::Work(error.to_string());
+        film.resolve(Estimator::Pooled, &mut self.scratch, &mut self.rgb).map_err(fault)?;
+        film.count(&mut self.now.count).map_err(fault)?;
+        film.variance(&mut self.variance).map_err(fault)?;
+        for (light, rgb) in self.now.light.iter_mut().zip(self.rgb.as_chunks::<3>().0) {
+            *light = luminance(*rgb) as f32;
+        }
+        self.now.samples = film.samples();
+        let half = self.now.samples / 2;
+        let err = self.before.iter().rev().find(|film| (1..=half).contains(&film.samples));
+        let err = err.map(|before| self.err(before));
+        let pixels = self.now.light.len() as u64;
+        if mark(self.now.samples / pixels) > mark(self.before[3].samples / pixels) {
+            self.before.rotate_left(1);
+            self.before[3].clone_from(&self.now);
+        }
+        Ok(err)
+    }
+
+    /// Err by what has changed since `before`.
+    fn err(&self, before: &Film) -> f64 {
+        let light: Vec<f64> = self.now.light.iter().map(|light| f64::from(*light)).collect();
+        let level = box_mean(&light, self.width, RADIUS);
+        let sum: f64 = (0..light.len())
+            .map(|i| self.pixel_variance(before, i) * acuity(level[i], self.cd_per_unit))
+            .sum();
+        self.cd_per_unit.powi(2) * sum / (STRATIFIED * light.len() as f64)
+    }
+
+    /// The estimated variance of a pixel's mean.
+    fn pixel_variance(&self, before: &Film, i: usize) -> f64 {
+        let (old, all) = (f64::from(before.count[i]), f64::from(self.now.count[i]));
+        if old == 0.0 || all <= old {
+            return f64::from(self.variance[i]);
+        }
+        (f64::from(self.now.light[i]) - f64::from(before.light[i])).powi(2) * old / (all - old)
+    }
+}
