@@ -87,7 +87,7 @@ impl<'a> Tracer<'a> {
         let data = self.scene.data();
         for light in data.lights {
             let corners = data.triangles[light.triangle as usize].corners.map(Vec3x8::splat);
-            triangle::closest(&prepared.frames, corners, light.triangle, &mut hits);
+            triangle::closest(&prepared.frames, corners, || light.triangle, &mut hits);
         }
         hits
     }

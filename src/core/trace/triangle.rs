@@ -50,11 +50,12 @@ fn coordinate(rays: &Frames, k: usize, corner: Vec3x8) -> f32x8 {
     super::ray::dot(rays.axes[k], corner) - rays.origin[k]
 }
 
-/// Replaces `hits` in the lanes where triangle `index` is nearer, or as near with a lower index.
+/// Replaces `hits` in the lanes where triangle `index` is nearer, or as near with a lower index. The index is asked
+/// for only where a ray passes through the triangle: it lies in another cache line than the corners.
 #[inline(always)]
-pub(super) fn closest(rays: &Frames, corners: [Vec3x8; 3], index: u32, hits: &mut Hits8) {
+pub(super) fn closest(rays: &Frames, corners: [Vec3x8; 3], index: impl FnOnce() -> u32, hits: &mut Hits8) {
     let Some(candidate) = intersect(rays, corners, hits.t) else { return };
-    let index = u32x8::splat(index);
+    let index = u32x8::splat(index());
     let tie = candidate.t.simd_eq(hits.t);
     let lower: f32x8 = bytemuck::cast(index.simd_lt(hits.triangle));
     let nearer = candidate.t.simd_lt(hits.t) | (tie & lower);
