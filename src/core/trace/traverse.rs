@@ -121,7 +121,7 @@ impl<'a> Tracer<'a> {
                     triangle::closest(
                         &rays.frames,
                         triangle::one(leaf, slot),
-                        leaf.first + slot as u32,
+                        || leaf.first + slot as u32,
                         hits,
                     );
                 }
