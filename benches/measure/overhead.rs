@@ -70,7 +70,7 @@ fn measure(width: u32, height: u32, runs: usize, spp: u64) -> Vec<Cost> {
     let mut scratch = vec![[0.0; 16]; Sampler::resolve_scratch(width, height)];
     let mut rgb = vec![0.0; 3 * pixels as usize];
     let mut plain = Plain::new(pixels as usize);
-    let mut time = |count: u64, f: &mut dyn FnMut()| {
+    let time = |count: u64, f: &mut dyn FnMut()| {
         let start = Instant::now();
         f();
         start.elapsed().as_secs_f64() * 1e9 / count as f64

@@ -11,7 +11,7 @@
 
 use crate::allocate::Known;
 use crate::film::eight::{count8, read8, write8};
-use crate::film::window::Blocks;
+use crate::film::window::{Blocks, SIDE};
 use crate::film::{Layout, Planes, Tile, luminance8};
 use crate::math::{exp2_rough, log2_rough};
 use crate::tvi::log2_tvi;
@@ -76,16 +76,26 @@ impl Kernel {
             let m2 = read8(&planes.m2[pixels.clone()]);
             [m2, count - known, luminance8(planes.mean8(pixels)), known]
         });
-        let width = tile.width as usize;
+        // Two loops: a weight is a long chain of dependent operations, and the shorter the loop around it, the more
+        // of them the processor works on at once.
+        let (mut variances, mut lights) = ([[0.0; SIDE]; SIDE], [[0.0; SIDE]; SIDE]);
+        let (width, height) = (tile.width as usize, tile.height as usize);
         for x in (0..width).step_by(8) {
-            blocks.for_each_row(self.window, x, tile.height as usize, |y, sums, own| {
-                let [m2, freedom, light, known] = sums;
+            blocks.for_each_row(self.window, x, height, |y, [m2, freedom, light, known], own| {
                 let spent = (own[1] + own[3]).fast_max(one);
                 let divisor = if self.criterion == Criterion::Mean { freedom * spent } else { freedom };
-                let weight = self.weight(m2 / divisor, light / known);
-                let weight = freedom.simd_gt(zero).select(weight, f32x8::splat(UNKNOWN));
-                write8(&mut planes.target[tile.row(y as u32)][x..], weight);
+                let variance = freedom.simd_gt(zero).select(m2 / divisor, f32x8::splat(UNKNOWN));
+                write8(&mut variances[y][x..], variance);
+                write8(&mut lights[y][x..], light / known);
             });
+        }
+        for (y, (variances, lights)) in variances.iter().zip(&lights).enumerate().take(height) {
+            let target = planes.target[tile.row(y as u32)].chunks_mut(8);
+            for (target, x) in target.zip([0, 8]) {
+                let variance = read8(&variances[x..]);
+                let weight = self.weight(variance, read8(&lights[x..]));
+                write8(target, variance.simd_lt(zero).select(f32x8::splat(UNKNOWN), weight));
+            }
         }
     }
 }

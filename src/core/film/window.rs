@@ -9,7 +9,7 @@ use core::ops::Range;
 use wide::f32x8;
 
 /// Side of a tile.
-const SIDE: usize = TILE as usize;
+pub(crate) const SIDE: usize = TILE as usize;
 /// Rows of a block: a tile and one more at each end.
 const ROWS: usize = SIDE + 2;
 /// Columns of a block: column 0 is left of the tile, the last ones fill the third vector up.
