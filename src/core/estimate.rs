@@ -12,7 +12,7 @@
 //!   says how much a pixel takes of what its neighbourhood has lost. Whatever a and G are, ΣC = ΣD: the image's
 //!   energy is exactly unbiased, and the error is about Q's. G = UBV: V sums over cells of 8 × 8 pixels and is
 //!   divided by what its cell's takers take, B is three box passes over the grid of cells, U interpolates
-//!   linearly between their centres. (On single pixels it took five times as long, with the same errors.) With
+//!   linearly between their centres. (On single pixels it took five times as long.) With
 //!   a = 1 (measured: Err ratio 3.1 instead of 3.6 on `caustic`, as √L; tvi(L) and L lose in low-pass Err) noise
 //!   would be spread onto black background, where it shows. A pixel can become negative; to clip it would be a
 //!   bias.

@@ -68,7 +68,7 @@ pub fn exp2(x: f32x8) -> f32x8 {
 #[inline]
 pub fn exp2_rough(x: f32x8) -> f32x8 {
     // Least largest error of 2^f.
-    exp2_by(x, [0.999_999_25, 0.693_121_8, 0.240_247_45, 0.055_917_86, 0.009_570_102])
+    exp2_by(x, [0.999_999_3, 0.693_121_8, 0.240_247_45, 0.055_917_86, 0.009_570_102])
 }
 
 /// 2 to the power `x`, given a polynomial for |x| ≤ ½.

@@ -42,11 +42,11 @@ pub(crate) fn log2_tvi(log2_luminance: f32x8) -> f32x8 {
             -0.168_462_05,
             2.059_886_2,
             1.894_457_1,
-            -0.591_923_15,
+            -0.591_923_2,
             0.114_503_04,
         ],
     );
-    let bend = polynomial(x, [-1.353_647_9, 0.323_221_6, 0.031_703_42, 0.000_841_898, -0.000_005_048_49]);
+    let bend = polynomial(x, [-1.353_648, 0.323_221_6, 0.031_703_42, 0.000_841_898, -0.000_005_048_49]);
     let cone = x.simd_lt(s(1.9 * LOG2_10)).select(bend, x - s(1.255 * LOG2_10));
     let straight = x - s(0.395 * LOG2_10);
     x.simd_lt(s(-1.44 * LOG2_10)).select(rod, straight.fast_min(cone))

@@ -101,7 +101,7 @@ fn gather(layout: &Layout, planes: &Planes<'_>, taken: &mut [f32], excess: &mut 
                 *sum += excess;
             }
         }
-        excess[cell.y * columns + cell.x] = lost.map(|lanes| sum(lanes));
+        excess[cell.y * columns + cell.x] = lost.map(sum);
         for (takers, y) in takers.iter().zip(around(cell.y, rows)) {
             for (near, x) in NEAR.iter().zip(around(cell.x, columns)) {
                 taken[y * columns + x] += sum(*takers * f32x8::from(*near));

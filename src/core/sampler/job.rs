@@ -200,7 +200,8 @@ impl<'a> Job<'a> {
         while lane < lanes {
             self.seek();
             let run = lanes.min(lane + (self.next.planned - self.next.number) as usize);
-            let at = self.next.tile.y0 + self.next.dy << 16 | self.next.tile.x0 + self.next.dx;
+            let (x, y) = (self.next.tile.x0 + self.next.dx, self.next.tile.y0 + self.next.dy);
+            let at = y << 16 | x;
             let first = self.next.index.wrapping_add(self.next.number);
             for k in lane..run {
                 (index[k], place[k]) = (first.wrapping_add((k - lane) as u32), at);
@@ -252,7 +253,7 @@ impl<'a> Job<'a> {
         for (lane, sample) in samples.iter().enumerate() {
             while last.left == 0 {
                 last.pixel += 1;
-                if last.pixel % GROUP == 0 {
+                if last.pixel.is_multiple_of(GROUP) {
                     self.merge_before(last.pixel);
                 }
                 (last.left, last.sums) = (self.planes.planned[last.pixel], Sums::default());
