@@ -120,7 +120,7 @@ mod tests {
 
     /// Sample `i` of pixel `p`; the first of every third pixel is a firefly.
     fn sample(p: usize, i: usize) -> [f32; 3] {
-        let boost = if i == 0 && p % 3 == 0 { 1e4 } else { 1.0 };
+        let boost = if i == 0 && p.is_multiple_of(3) { 1e4 } else { 1.0 };
         [0, 1, 2].map(|c| boost * (hash((p * 1000 + 3 * i + c) as u32) >> 8) as f32 / 1e6)
     }
 
