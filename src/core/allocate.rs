@@ -6,9 +6,9 @@
 //! n_p ∈ {⌊n'_p⌋, ⌈n'_p⌉} with E\[n_p\] = n'_p over the offset, and Σ n_p = N exactly.
 //!
 //! Expected counts are integers in units of 2^-32 sample (of N·2^-52 where that is more), and so is their cumulative
-//! sum, whose last term is N by construction: nothing can drift. Where a run of [`RUN`] pixels ends in the
+//! sum, whose last term is N by construction: nothing can drift. Where a run of 64 pixels ends in the
 //! cumulative sum follows from the sum of all weights so far; inside a run each pixel's share is rounded by
-//! itself, eight at a time, and the last one takes what remains, within 2^-25 of its own share in the worst case.
+//! itself, eight at a time, and the last one takes what remains: about 32 units more or less at worst.
 //!
 //! Limits: at most 2^28 pixels and 2^32 − 1 samples an allocation.
 
