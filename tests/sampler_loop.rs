@@ -118,8 +118,11 @@ fn samples_follow_the_noise() {
             render(&mut job, 64);
         })
     });
-    let at = |x: usize, y: usize| count[y * 40 + x];
-    assert!(at(20, 15) > 2 * at(2, 2), "{} in the disc, {} outside", at(20, 15), at(2, 2));
+    let block = |x0: usize, y0: usize| -> u32 {
+        (y0..y0 + 6).map(|y| count[y * 40 + x0..y * 40 + x0 + 6].iter().sum::<u32>()).sum()
+    };
+    let (inside, outside) = (block(17, 12), block(2, 2));
+    assert!(inside > 2 * outside, "{inside} in the disc, {outside} outside");
 }
 
 #[test]

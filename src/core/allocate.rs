@@ -5,21 +5,29 @@
 //! along the storage order; Madow, *On the theory of systematic sampling*, 1949) turns them into whole counts
 //! n_p ∈ {⌊n'_p⌋, ⌈n'_p⌉} with E\[n_p\] = n'_p over the offset, and Σ n_p = N exactly.
 //!
-//! All sums are integers with [`FRACTION_BITS`] fractional bits, so that nothing can drift: expected counts are
-//! differences of a cumulative sum whose last term is N by construction. Weights become integers of
-//! 2^-62 of their sum: with 2^28 pixels an average weight still has 2^34 units, far more than the 2^-24 samples
-//! to which an expected count is resolved, and the sum fits into 64 bits.
+//! Expected counts are integers in units of 2^-32 sample (of N·2^-52 where that is more), and so is their cumulative
+//! sum, whose last term is N by construction: nothing can drift. Where a run of 64 pixels ends in the
+//! cumulative sum follows from the sum of all weights so far; inside a run each pixel's share is rounded by
+//! itself, eight at a time, and the last one takes what remains: about 32 units more or less at worst.
 //!
 //! Limits: at most 2^28 pixels and 2^32 − 1 samples an allocation.
 
-/// Fractional bits of an expected count.
-pub const FRACTION_BITS: u32 = 24;
+use crate::film::eight::{read8, write8};
+use wide::f32x8;
+
+/// Most fractional bits of an expected count, and bits of the offset.
+pub const FRACTION_BITS: u32 = 32;
 /// Most pixels of an allocation.
 pub const MAX_PIXELS: usize = 1 << 28;
 /// Most samples of an allocation.
 pub const MAX_SAMPLES: u64 = u32::MAX as u64;
 
-const ONE: u64 = 1 << FRACTION_BITS;
+/// Pixels whose shares are rounded together.
+const RUN: usize = 64;
+/// Bits of a floating-point number that hold a number of units after it was added to [`ROUND`].
+const MANTISSA_BITS: u32 = f64::MANTISSA_DIGITS - 1;
+const MANTISSA: u64 = (1 << MANTISSA_BITS) - 1;
+const ROUND: f64 = (MANTISSA + 1) as f64;
 
 /// What can be wrong with an allocation.
 #[non_exhaustive]
@@ -65,30 +73,39 @@ pub struct Mixture {
 ///
 /// A weight that is negative or not finite is unknown: it counts as the mean of the known ones. If no weight is
 /// known and positive, or their sum is not finite, the division is uniform. `offset` chooses among the
-/// allocations with these expectations; its lower 24 bits count, and should be uniformly random.
+/// allocations with these expectations; it should be uniformly random.
 ///
 /// # Errors
 /// If the lengths differ or a limit of this module is exceeded; then nothing has been written.
 pub fn allocate(target: &mut [f32], planned: &mut [u32], mix: Mixture, offset: u32) -> Result<(), Error> {
+    let mut known = Known::default();
+    known.add(target);
+    allocate_known(target, planned, mix, offset, &known)
+}
+
+/// [`allocate`], given the sum of the weights.
+pub(crate) fn allocate_known(
+    target: &mut [f32],
+    planned: &mut [u32],
+    mix: Mixture,
+    offset: u32,
+    known: &Known,
+) -> Result<(), Error> {
     check(target, planned, &mix)?;
-    let mut uniform = Uniform::new(uniform_part(&mix, target.len()), target.len());
-    let weights = Weights::new(target, (mix.samples << FRACTION_BITS) - uniform.part);
-    if weights.is_none() {
-        uniform = Uniform::new(mix.samples << FRACTION_BITS, target.len());
-    }
-    let mut adaptive = 0;
-    let mut last = Step { cumulative: 0, whole: 0, offset: u64::from(offset) % ONE };
-    let end = target.len() - 1;
-    for (i, (target, planned)) in target.iter_mut().zip(planned).enumerate() {
-        let mut cumulative = uniform.next();
-        if let Some(weights) = &weights {
-            adaptive += weights.integer(*target);
-            cumulative += weights.share(adaptive);
-        }
-        if i == end {
-            cumulative = mix.samples << FRACTION_BITS;
-        }
-        (*target, *planned) = last.advance(cumulative);
+    let shares = Shares::new(&mix, target.len(), known);
+    let mut steps = Steps::new(shares.bits, offset);
+    let (mut pixels, mut weights) = (0.0, 0.0);
+    let last = (target.len() - 1) / RUN;
+    for (run, (target, planned)) in target.chunks_mut(RUN).zip(planned.chunks_mut(RUN)).enumerate() {
+        let mut units = [0; RUN];
+        weights += match target.first_chunk_mut::<RUN>() {
+            Some(whole) => shares.units(whole, &mut units),
+            None => shares.units(target, &mut units),
+        };
+        pixels += target.len() as f64;
+        let end = if run == last { shares.total } else { shares.cumulative(pixels, weights) };
+        let rest = steps.run(&units[..target.len()], planned, end);
+        target[target.len() - 1] = rest as f32 * shares.samples;
     }
     Ok(())
 }
@@ -110,108 +127,144 @@ fn check(target: &[f32], planned: &[u32], mix: &Mixture) -> Result<(), Error> {
     Ok(())
 }
 
-/// Samples given out uniformly, floor included, in fixed point; at most all of them.
-fn uniform_part(mix: &Mixture, pixels: usize) -> u64 {
-    let samples = mix.samples as f64;
-    let floor = (f64::from(mix.floor) * pixels as f64).min(samples);
-    let part = floor + f64::from(mix.epsilon) * (samples - floor);
-    ((part * ONE as f64) as u64).min(mix.samples << FRACTION_BITS)
+/// Sum and number of the known weights.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Known {
+    sums: [f64; 8],
+    number: u32,
 }
 
-/// The cumulative sum of equal parts: ⌊(p + 1)·part/pixels⌋ for p = 0, 1, … without a division each.
-struct Uniform {
-    part: u64,
-    pixels: u64,
-    sum: u64,
-    remainder: u64,
-}
-
-impl Uniform {
-    fn new(part: u64, pixels: usize) -> Self {
-        Uniform { part, pixels: pixels as u64, sum: 0, remainder: 0 }
-    }
-
+impl Known {
+    /// Adds weights. Eight partial sums, so that it runs in parallel lanes.
     #[inline(always)]
-    fn next(&mut self) -> u64 {
-        // The quotient is loop-invariant: the compiler hoists it.
-        self.sum += self.part / self.pixels;
-        self.remainder += self.part % self.pixels;
-        let carry = u64::from(self.remainder >= self.pixels);
-        self.remainder -= carry * self.pixels;
-        self.sum += carry;
-        self.sum
-    }
-}
-
-/// Weights as integers, and the factor from their cumulative sum to samples in fixed point.
-struct Weights {
-    scale: f64,
-    unknown: f64,
-    factor: u64,
-}
-
-impl Weights {
-    /// Nothing if `part`, the samples to be given out by weight, is 0 or the weights cannot steer them.
-    fn new(weights: &[f32], part: u64) -> Option<Weights> {
-        let (sum, known) = sum(weights);
-        if part == 0 || !(sum > 0.0 && sum < f64::INFINITY) {
-            return None;
+    pub fn add(&mut self, weights: &[f32]) {
+        let (chunks, rest) = weights.as_chunks::<8>();
+        for chunk in chunks {
+            self.add8(f32x8::from(*chunk));
         }
-        let unknown = sum / known as f64;
-        let all = sum + unknown * (weights.len() - known) as f64;
-        let mut this = Weights { scale: (1u64 << 62) as f64 / all, unknown, factor: 0 };
-        let total: u64 = weights.iter().map(|w| this.integer(*w)).sum();
-        // part < 2^56 and total ≈ 2^62, so the quotient fits; rounding down keeps every share ≤ part.
-        this.factor = ((u128::from(part) << 64) / u128::from(total.max(1))) as u64;
-        Some(this)
+        if !rest.is_empty() {
+            let mut last = [f32::NAN; 8];
+            last[..rest.len()].copy_from_slice(rest);
+            self.add8(f32x8::from(last));
+        }
     }
 
     #[inline(always)]
-    fn integer(&self, weight: f32) -> u64 {
-        let weight = if is_known(weight) { f64::from(weight) } else { self.unknown };
-        (weight * self.scale) as i64 as u64
+    fn add8(&mut self, weights: f32x8) {
+        let known = is_known(weights);
+        let lanes = (known & weights).to_array();
+        (0..8).for_each(|lane| self.sums[lane] += f64::from(lanes[lane]));
+        self.number += known.to_bitmask().count_ones();
     }
 
-    #[inline(always)]
-    fn share(&self, cumulative: u64) -> u64 {
-        ((u128::from(cumulative) * u128::from(self.factor)) >> 64) as u64
+    fn sum(&self) -> f64 {
+        self.sums.iter().sum()
+    }
+
+    fn number(&self) -> f64 {
+        f64::from(self.number)
     }
 }
 
+/// A mask of the lanes that are neither negative nor infinite nor not a number.
 #[inline(always)]
-fn is_known(weight: f32) -> bool {
-    (0.0..=f32::MAX).contains(&weight)
+fn is_known(weights: f32x8) -> f32x8 {
+    weights.simd_ge(f32x8::ZERO) & weights.simd_le(f32x8::splat(f32::MAX))
 }
 
-/// Sum and number of the known weights. Eight partial sums, so that it runs in parallel lanes.
-fn sum(weights: &[f32]) -> (f64, usize) {
-    let (mut sums, mut known) = ([0.0; 8], [0u32; 8]);
-    let mut add = |lane: usize, weight: f32| {
-        sums[lane] += if is_known(weight) { f64::from(weight) } else { 0.0 };
-        known[lane] += u32::from(is_known(weight));
-    };
-    let (chunks, rest) = weights.as_chunks::<8>();
-    chunks.iter().for_each(|chunk| (0..8).for_each(|lane| add(lane, chunk[lane])));
-    rest.iter().enumerate().for_each(|(lane, weight)| add(lane, *weight));
-    (sums.iter().sum(), known.iter().map(|k| *k as usize).sum())
+/// What a pixel is given: `uniform + factor · weight`, in units of 2^-`bits` sample.
+struct Shares {
+    uniform: f64,
+    factor: f64,
+    /// The weight of a pixel without a known one.
+    unknown: f32,
+    bits: u32,
+    /// A unit in samples.
+    samples: f32,
+    /// N in units.
+    total: u64,
 }
 
-/// The last point of the cumulative sum, and how many whole samples lie below it.
-struct Step {
+impl Shares {
+    fn new(mix: &Mixture, pixels: usize, known: &Known) -> Shares {
+        // All samples in units stay below 2^52: the integers that floating point can hold.
+        let bits = (MANTISSA_BITS - (u64::BITS - mix.samples.leading_zeros())).min(FRACTION_BITS);
+        let (pixels, total) = (pixels as f64, mix.samples << bits);
+        let part = uniform_part(mix, pixels) * (1u64 << bits) as f64;
+        let unknown = (known.sum() / known.number()) as f32;
+        let all = known.sum() + f64::from(unknown) * (pixels - known.number());
+        let steers = all > 0.0 && unknown.is_finite() && part < total as f64;
+        let (part, factor) = if steers { (part, (total as f64 - part) / all) } else { (total as f64, 0.0) };
+        let unknown = if steers { unknown } else { 0.0 };
+        let samples = 1.0 / (1u64 << bits) as f32;
+        Shares { uniform: part / pixels, factor, unknown, bits, samples, total }
+    }
+
+    /// Turns up to a run of weights into expected counts, writes these in units too, and returns the sum of the weights.
+    #[inline(always)]
+    fn units(&self, target: &mut [f32], units: &mut [u64; RUN]) -> f64 {
+        let mut sums = [0.0; 8];
+        let (units, _) = units.as_chunks_mut::<8>();
+        for (target, units) in target.chunks_mut(8).zip(units) {
+            let weights = read8(target);
+            let weights = is_known(weights).select(weights, f32x8::splat(self.unknown));
+            let (weights, mut expected) = (weights.to_array(), [0.0; 8]);
+            for lane in 0..8 {
+                let weight = f64::from(weights[lane]);
+                sums[lane] += weight;
+                // Added to 2^52, a number is rounded to an integer that can be read off its bits.
+                let rounded = ROUND + (self.uniform + self.factor * weight);
+                units[lane] = rounded.to_bits() & MANTISSA;
+                expected[lane] = (rounded - ROUND) as f32;
+            }
+            write8(target, f32x8::from(expected) * f32x8::splat(self.samples));
+        }
+        sums.iter().sum()
+    }
+
+    /// Units of the first pixels, by their number and the sum of their weights; at most all.
+    fn cumulative(&self, pixels: f64, weights: f64) -> u64 {
+        ((self.uniform * pixels + self.factor * weights) as u64).min(self.total)
+    }
+}
+
+/// Samples given out uniformly, floor included; at most all of them.
+fn uniform_part(mix: &Mixture, pixels: f64) -> f64 {
+    let samples = mix.samples as f64;
+    let floor = (f64::from(mix.floor) * pixels).min(samples);
+    floor + f64::from(mix.epsilon) * (samples - floor)
+}
+
+/// The cumulative sum of the expected counts, in units, and how many whole samples lie below it.
+struct Steps {
     cumulative: u64,
     whole: u64,
     offset: u64,
+    bits: u32,
 }
 
-impl Step {
-    /// Expected and whole count between the last point and `cumulative`.
+impl Steps {
+    fn new(bits: u32, offset: u32) -> Steps {
+        Steps { cumulative: 0, whole: 0, offset: u64::from(offset >> (FRACTION_BITS - bits)), bits }
+    }
+
+    /// Writes the whole counts of a run of pixels that expect `units`, the last of which takes what remains up to
+    /// `end`. Returns how much that is.
     #[inline(always)]
-    fn advance(&mut self, cumulative: u64) -> (f32, u32) {
-        let whole = (cumulative + self.offset) >> FRACTION_BITS;
-        let expected = (cumulative - self.cumulative) as i64 as f32 * (1.0 / ONE as f32);
-        let count = (whole - self.whole) as u32;
-        (self.cumulative, self.whole) = (cumulative, whole);
-        (expected, count)
+    fn run(&mut self, units: &[u64], planned: &mut [u32], end: u64) -> u64 {
+        let end = end.max(self.cumulative);
+        let (offset, mut sum, mut whole) = (self.offset, self.cumulative, self.whole);
+        let last = units.len() - 1;
+        for (units, planned) in units[..last].iter().zip(&mut planned[..last]) {
+            sum += units;
+            let next = (sum.min(end) + offset) >> self.bits;
+            *planned = (next - whole) as u32;
+            whole = next;
+        }
+        self.whole = (end + offset) >> self.bits;
+        planned[last] = (self.whole - whole) as u32;
+        self.cumulative = end;
+        end - sum.min(end)
     }
 }
 

@@ -4,13 +4,20 @@
 //! and lower edge are smaller; nothing is padded, so a plane has exactly `width · height` entries and a run of
 //! tiles is one contiguous slice. A pixel takes [`BYTES_PER_PIXEL`] bytes.
 //!
-//! Statistics: Welford, *Note on a method for calculating corrected sums of squares and products*, 1962, within
-//! an iteration; Chan, Golub, LeVeque, *Updating formulae and a pairwise algorithm for computing sample
-//! variances*, 1979, to merge iterations.
+//! Statistics: within an iteration a pixel's samples are summed relative to the first of them, then merged with what
+//! is known of it; Chan, Golub, LeVeque, *Updating formulae and a pairwise algorithm for computing sample
+//! variances*, 1979, for both.
 
+pub(crate) mod arrivals;
+pub(crate) mod cell;
+pub(crate) mod eight;
 mod layout;
 pub(crate) mod window;
 pub use layout::{Layout, MAX_SIDE, TILE, Tile};
+
+use core::ops::Range;
+use eight::read8;
+use wide::f32x8;
 
 /// Words and floats the film lends from the caller, a pixel.
 pub(crate) const WORDS: usize = 3;
@@ -106,52 +113,21 @@ impl<'a> Planes<'a> {
     }
 
     /// Mean radiance of pixel `i`.
-    #[inline]
+    #[cfg(test)]
     pub fn mean_at(&self, i: usize) -> [f32; 3] {
         [self.mean[0][i], self.mean[1][i], self.mean[2][i]]
     }
 
-    /// What samples change, of pixel `i`: every plane is indexed once.
+    /// Mean radiance of up to eight neighbouring pixels.
     #[inline(always)]
-    pub fn pixel(&mut self, i: usize) -> Pixel<'_> {
-        Pixel {
-            count: &mut self.count[i],
-            drawn: &mut self.drawn[i],
-            mean: self.mean.each_mut().map(|plane| &mut plane[i]),
-            m2: &mut self.m2[i],
-            excess: self.excess.each_mut().map(|plane| &mut plane[i]),
-            target: self.target[i],
-        }
-    }
-}
-
-/// A pixel of [`Planes`].
-pub(crate) struct Pixel<'a> {
-    count: &'a mut u32,
-    drawn: &'a mut u32,
-    mean: [&'a mut f32; 3],
-    m2: &'a mut f32,
-    /// See [`Planes::excess`].
-    pub excess: [&'a mut f32; 3],
-    /// See [`Planes::target`].
-    pub target: f32,
-}
-
-impl Pixel<'_> {
-    /// What is known of the pixel.
-    #[inline(always)]
-    pub fn moments(&self) -> Moments {
-        Moments { count: *self.count, mean: self.mean.each_ref().map(|mean| **mean), m2: *self.m2 }
+    pub fn mean8(&self, pixels: Range<usize>) -> [f32x8; 3] {
+        self.mean.each_ref().map(|plane| read8(&plane[pixels.clone()]))
     }
 
-    /// Merges the samples `new`, the usable ones of `taken`.
+    /// Excess of up to eight neighbouring pixels.
     #[inline(always)]
-    pub fn merge(self, new: &Moments, taken: u32) {
-        let all = self.moments().merged(new);
-        *self.drawn = self.drawn.wrapping_add(taken);
-        *self.count = all.count;
-        *self.m2 = all.m2;
-        self.mean.into_iter().zip(all.mean).for_each(|(mean, new)| *mean = new);
+    pub fn excess8(&self, pixels: Range<usize>) -> [f32x8; 3] {
+        self.excess.each_ref().map(|plane| read8(&plane[pixels.clone()]))
     }
 }
 
@@ -168,70 +144,8 @@ pub fn luminance(rgb: [f32; 3]) -> f32 {
     0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2]
 }
 
-/// Count, mean and sum of squared deviations of some samples.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Moments {
-    /// Number of samples.
-    pub count: u32,
-    /// Mean radiance.
-    pub mean: [f32; 3],
-    /// Sum of squared deviations of luminance from its mean.
-    pub m2: f32,
-}
-
-impl Moments {
-    /// Adds one sample (Welford).
-    #[inline]
-    pub fn add(&mut self, rgb: [f32; 3]) {
-        self.count += 1;
-        let share = 1.0 / self.count as f32;
-        let delta = [rgb[0] - self.mean[0], rgb[1] - self.mean[1], rgb[2] - self.mean[2]];
-        for (mean, d) in self.mean.iter_mut().zip(delta) {
-            *mean += d * share;
-        }
-        let d = luminance(delta);
-        self.m2 += d * d * (1.0 - share);
-    }
-
-    /// The part `other` has in the samples of both.
-    #[inline(always)]
-    pub fn share(&self, other: &Moments) -> f32 {
-        other.count as f32 / self.count.saturating_add(other.count).max(1) as f32
-    }
-
-    /// The moments of both sets of samples together (Chan).
-    #[inline(always)]
-    pub fn merged(&self, other: &Moments) -> Moments {
-        let share = self.share(other);
-        let delta = [0, 1, 2].map(|c| other.mean[c] - self.mean[c]);
-        let d = luminance(delta);
-        Moments {
-            count: self.count.saturating_add(other.count),
-            mean: [0, 1, 2].map(|c| self.mean[c] + delta[c] * share),
-            m2: self.m2 + other.m2 + d * d * (self.count as f32 * share),
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::sobol::hash;
-    use core::ops::Range;
-
-    #[test]
-    fn merging_equals_concatenating() {
-        let sample = |i: u32| [0, 1, 2].map(|c| (hash(3 * i + c) >> 8) as f32 / 1e6);
-        let of = |range: Range<u32>| {
-            let mut moments = Moments::default();
-            range.for_each(|i| moments.add(sample(i)));
-            moments
-        };
-        for cut in [0, 1, 7, 40, 100] {
-            let (whole, merged) = (of(0..100), of(0..cut).merged(&of(cut..100)));
-            assert_eq!(whole.count, merged.count);
-            assert!((whole.m2 / merged.m2 - 1.0).abs() < 1e-5);
-            assert!((0..3).all(|c| (whole.mean[c] / merged.mean[c] - 1.0).abs() < 1e-6));
-        }
-    }
+/// [`luminance`] in eight lanes.
+#[inline(always)]
+pub(crate) fn luminance8([r, g, b]: [f32x8; 3]) -> f32x8 {
+    r * f32x8::splat(0.2126) + g * f32x8::splat(0.7152) + b * f32x8::splat(0.0722)
 }

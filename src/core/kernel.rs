@@ -9,9 +9,11 @@
 //! Where a window has no degree of freedom nothing is known of its variance, and the weight is
 //! [`UNKNOWN`], which [`allocate`](crate::allocate::allocate) takes for the mean of all others.
 
-use crate::film::window::{Around, Inner, combine, inner, read8, write8};
-use crate::film::{Layout, Planes, Tile, luminance};
-use crate::math::{exp2, log2};
+use crate::allocate::Known;
+use crate::film::eight::{count8, read8, write8};
+use crate::film::window::{Blocks, SIDE};
+use crate::film::{Layout, Planes, Tile, luminance8};
+use crate::math::{exp2_rough, log2_rough};
 use crate::tvi::log2_tvi;
 use wide::f32x8;
 
@@ -52,35 +54,47 @@ impl Kernel {
     #[inline]
     pub fn weight(&self, variance: f32x8, luminance: f32x8) -> f32x8 {
         let cd = f32x8::splat(self.cd_per_unit);
-        let ratio = log2(variance * cd * cd) - log2_tvi(luminance * cd);
-        variance.simd_gt(f32x8::ZERO) & exp2(f32x8::splat(self.gamma) * ratio)
+        let ratio = log2_rough(variance * (cd * cd)) - log2_tvi(log2_rough(luminance * cd));
+        variance.simd_gt(f32x8::ZERO) & exp2_rough(f32x8::splat(self.gamma) * ratio)
     }
 
-    /// Writes every pixel's weight into the plane `target`.
-    pub(crate) fn adapt(&self, layout: &Layout, planes: &mut Planes<'_>) {
+    /// Writes every pixel's weight into the plane `target` and returns their sum.
+    pub(crate) fn adapt(&self, layout: &Layout, planes: &mut Planes<'_>) -> Known {
+        let (mut known, mut blocks) = (Known::default(), Blocks::new());
         for tile in (0..layout.tiles()).map(|t| layout.tile(t)) {
-            self.adapt_tile(layout, &tile, planes);
+            self.adapt_tile(layout, &tile, planes, &mut blocks);
+            known.add(&planes.target[tile.first..tile.first + tile.pixels()]);
         }
+        known
     }
 
-    fn adapt_tile(&self, layout: &Layout, tile: &Tile, planes: &mut Planes<'_>) {
-        let around = Around::new(layout, tile);
-        let light = planes.mean.each_ref().map(|mean| around.load(mean, |mean| mean));
-        let light = combine(light.each_ref(), luminance);
-        let count = around.load(planes.count, |n| n.min(i32::MAX as u32) as i32 as f32);
-        let known = combine([&count], |[n]| n.min(1.0));
-        let m2 = self.window.sums(&around.load(planes.m2, |m2| m2));
-        let (samples, known) = (self.window.sums(&count), self.window.sums(&known));
-        let (light, spent) = (self.window.sums(&light), inner(&count));
-        for y in 0..tile.height as usize {
-            let out = planes.target[tile.row(y as u32)].chunks_mut(8);
-            for (out, x) in out.zip([0, 8]) {
-                let eight = |inner: &Inner| read8(&inner[y], x);
-                let (known, spent) = (eight(&known), eight(&spent).fast_max(f32x8::ONE));
-                let freedom = eight(&samples) - known;
+    fn adapt_tile(&self, layout: &Layout, tile: &Tile, planes: &mut Planes<'_>, blocks: &mut Blocks<4>) {
+        let (one, zero) = (f32x8::ONE, f32x8::ZERO);
+        blocks.fill(layout, tile, |pixels| {
+            let count = count8(&planes.count[pixels.clone()]);
+            let known = count.fast_min(one);
+            let m2 = read8(&planes.m2[pixels.clone()]);
+            [m2, count - known, luminance8(planes.mean8(pixels)), known]
+        });
+        // Two loops: a weight is a long chain of dependent operations, and the shorter the loop around it, the more
+        // of them the processor works on at once.
+        let (mut variances, mut lights) = ([[0.0; SIDE]; SIDE], [[0.0; SIDE]; SIDE]);
+        let (width, height) = (tile.width as usize, tile.height as usize);
+        for x in (0..width).step_by(8) {
+            blocks.for_each_row(self.window, x, height, |y, [m2, freedom, light, known], own| {
+                let spent = (own[1] + own[3]).fast_max(one);
                 let divisor = if self.criterion == Criterion::Mean { freedom * spent } else { freedom };
-                let weight = self.weight(eight(&m2) / divisor, eight(&light) / known);
-                write8(out, freedom.simd_gt(f32x8::ZERO).bitselect(weight, f32x8::splat(UNKNOWN)));
+                let variance = freedom.simd_gt(zero).select(m2 / divisor, f32x8::splat(UNKNOWN));
+                write8(&mut variances[y][x..], variance);
+                write8(&mut lights[y][x..], light / known);
+            });
+        }
+        for (y, (variances, lights)) in variances.iter().zip(&lights).enumerate().take(height) {
+            let target = planes.target[tile.row(y as u32)].chunks_mut(8);
+            for (target, x) in target.zip([0, 8]) {
+                let variance = read8(&variances[x..]);
+                let weight = self.weight(variance, read8(&lights[x..]));
+                write8(target, variance.simd_lt(zero).select(f32x8::splat(UNKNOWN), weight));
             }
         }
     }

@@ -14,7 +14,7 @@ const SQRT_HALF_BITS: i32 = 0x3f35_04f3;
 ///
 /// Even and odd powers apart: two short chains of dependent operations instead of a long one.
 #[inline(always)]
-fn polynomial<const N: usize>(x: f32x8, coefficients: [f32; N]) -> f32x8 {
+pub(crate) fn polynomial<const N: usize>(x: f32x8, coefficients: [f32; N]) -> f32x8 {
     let square = x * x;
     let mut sums = [f32x8::ZERO; 2];
     for (power, c) in coefficients.iter().enumerate().rev() {
@@ -23,33 +23,61 @@ fn polynomial<const N: usize>(x: f32x8, coefficients: [f32; N]) -> f32x8 {
     sums[0] + x * sums[1]
 }
 
+/// Exponent to base 2 and mantissa in [√½, √2) of a positive number.
+#[inline(always)]
+fn split(x: f32x8) -> (f32x8, f32x8) {
+    let bits: i32x8 = cast(x.fast_max(f32x8::splat(f32::MIN_POSITIVE)));
+    let exponent = (bits - i32x8::splat(SQRT_HALF_BITS)) >> 23;
+    (f32x8::from_i32x8(exponent), cast(bits - (exponent << 23)))
+}
+
 /// Logarithm to base 2 of a positive number; absolute error below 1.2e-7 times the larger of 1 and the result.
 ///
 /// Everything below the smallest normal number, 0 and negative numbers included, counts as that number (−126);
 /// infinity gives 128.
 #[inline]
 pub fn log2(x: f32x8) -> f32x8 {
-    let bits: i32x8 = cast(x.fast_max(f32x8::splat(f32::MIN_POSITIVE)));
-    let exponent = (bits - i32x8::splat(SQRT_HALF_BITS)) >> 23;
-    let mantissa: f32x8 = cast(bits - (exponent << 23));
+    let (exponent, mantissa) = split(x);
     let t = (mantissa - f32x8::ONE) / (mantissa + f32x8::ONE);
     // log2 m = 2/ln 2 · artanh t, |t| < 0.172.
     let series = polynomial(t * t, [2.885_39, 0.961_796_7, 0.577_078, 0.412_198_6, 0.320_598_9]);
-    f32x8::from_i32x8(exponent) + t * series
+    exponent + t * series
+}
+
+/// [`log2`] without a division; absolute error below 2e-5 times the larger of 1 and the result.
+#[inline]
+pub fn log2_rough(x: f32x8) -> f32x8 {
+    let (exponent, mantissa) = split(x);
+    let u = mantissa - f32x8::ONE;
+    // Least largest error of log2(1 + u).
+    let series = polynomial(u, [1.442_578, -0.720_241_8, 0.486_686_15, -0.394_575_37, 0.252_660_2]);
+    exponent + u * series
 }
 
 /// 2 to the power `x`; relative error below 2e-7. `x` is clamped to −126 … 127.
 #[inline]
 pub fn exp2(x: f32x8) -> f32x8 {
+    // Taylor series of exp(f·ln 2), |f| ≤ ½.
+    exp2_by(
+        x,
+        [1.0, LN_2, 0.240_226_5, 0.055_504_11, 0.009_618_129, 0.001_333_355_8, 1.540_353e-4, 1.525_273e-5],
+    )
+}
+
+/// [`exp2`] by fewer terms; relative error below 3e-6.
+#[inline]
+pub fn exp2_rough(x: f32x8) -> f32x8 {
+    // Least largest error of 2^f.
+    exp2_by(x, [0.999_999_3, 0.693_121_8, 0.240_247_45, 0.055_917_86, 0.009_570_102])
+}
+
+/// 2 to the power `x`, given a polynomial for |x| ≤ ½.
+#[inline(always)]
+fn exp2_by<const N: usize>(x: f32x8, coefficients: [f32; N]) -> f32x8 {
     let x = x.fast_max(f32x8::splat(-126.0)).fast_min(f32x8::splat(127.0));
     let whole = x.round_ties_even();
-    // Taylor series of exp(f·ln 2), |f| ≤ ½.
-    let fraction = polynomial(
-        x - whole,
-        [1.0, LN_2, 0.240_226_5, 0.055_504_11, 0.009_618_129, 0.001_333_355_8, 1.540_353e-4, 1.525_273e-5],
-    );
     let scale: f32x8 = cast((whole.fast_trunc_int() + i32x8::splat(127)) << 23);
-    fraction * scale
+    polynomial(x - whole, coefficients) * scale
 }
 
 /// `x` to the power `y` for positive `x`; relative error below 2e-7 · (1 + |y·log2 x|).
@@ -102,6 +130,8 @@ mod tests {
         let absolute = |_: f64| 1.0;
         assert!(worst(-125.9, 126.9, exp2, libm::exp2, relative) < 2e-7);
         assert!(worst(1e-3, 40.0, log2, libm::log2, |e| e.abs().max(1.0)) < 1.2e-7);
+        assert!(worst(-125.9, 126.9, exp2_rough, libm::exp2, relative) < 3e-6);
+        assert!(worst(1e-3, 40.0, log2_rough, libm::log2, |e| e.abs().max(1.0)) < 2e-5);
         assert!(worst(1e-37, 1e38, log2, libm::log2, |e| e.abs().max(1.0)) < 1.2e-7);
         assert!(worst(0.0, 1.0, |x| sin_cos_turn(x).0, |u| libm::sin(u * TAU), absolute) < 2e-7);
         assert!(worst(0.0, 1.0, |x| sin_cos_turn(x).1, |u| libm::cos(u * TAU), absolute) < 2e-7);

@@ -26,7 +26,7 @@
 //!     }
 //!     sampler.end()?;
 //! }
-//! let (mut rgb, mut scratch) = ([0.0; 3 * 64], [[0.0; 16]; 44]); // as Sampler::resolve_scratch(8, 8) says
+//! let (mut rgb, mut scratch) = ([0.0; 3 * 64], [[0.0; 16]; 6]); // as Sampler::resolve_scratch(8, 8) says
 //! sampler.resolve(sampler.settings().estimator, &mut scratch, &mut rgb)?;
 //! assert!((rgb[0] - 0.5).abs() < 0.2);
 //! # Ok(())
@@ -34,10 +34,10 @@
 //! ```
 #![doc = include_str!("sampler/defaults.md")]
 
-use crate::allocate::{Mixture, allocate};
-use crate::estimate::{self, Estimator, LANES, Lanes, Weight};
-use crate::film::{FLOATS, Layout, Planes, WORDS, luminance};
-use crate::sobol::hash;
+use crate::allocate::{Known, Mixture, allocate_known};
+use crate::estimate::{self, Estimator, Lanes, Weight};
+use crate::film::{FLOATS, Layout, Planes, WORDS};
+use crate::sobol::{frame_key, hash};
 
 mod job;
 mod schedule;
@@ -136,11 +136,13 @@ impl<'a> Sampler<'a> {
             floor: self.settings.floor,
             epsilon: if adaptive { self.settings.epsilon } else { 1.0 },
         };
-        if adaptive {
-            self.settings.kernel().adapt(&self.layout, &mut self.planes);
-        }
-        let offset = hash(hash(hash(!self.settings.seed) ^ self.settings.frame) ^ self.iteration);
-        allocate(self.planes.target, self.planes.planned, self.mixture, offset)?;
+        let known = if adaptive {
+            self.settings.kernel().adapt(&self.layout, &mut self.planes)
+        } else {
+            Known::default()
+        };
+        let offset = hash(frame_key(!self.settings.seed, self.settings.frame) ^ self.iteration);
+        allocate_known(self.planes.target, self.planes.planned, self.mixture, offset, &known)?;
         self.running = true;
         Ok(())
     }
@@ -149,10 +151,9 @@ impl<'a> Sampler<'a> {
     pub fn jobs(&mut self) -> Jobs<'_> {
         let context = job::Context {
             layout: self.layout,
-            seed: self.settings.seed,
-            frame: self.settings.frame,
+            frame: frame_key(self.settings.seed, self.settings.frame),
+            iteration: hash(self.iteration),
             sequence: self.settings.sequence,
-            iteration: self.iteration,
             estimator: self.settings.estimator,
             weight: Weight {
                 before: self.weight(self.samples),
@@ -184,8 +185,7 @@ impl<'a> Sampler<'a> {
 
     /// Length of the scratch [`resolve`](Self::resolve) needs.
     pub fn resolve_scratch(width: u32, height: u32) -> usize {
-        let pixels = (width as usize).saturating_mul(height as usize);
-        pixels.div_ceil(LANES) + estimate::scratch_len(width, height)
+        estimate::scratch_len(width, height)
     }
 
     /// Writes the picture: interleaved linear RGB, row by row.
@@ -203,46 +203,15 @@ impl<'a> Sampler<'a> {
         if out.len() != 3 * self.layout.pixels() {
             return Err(Error::Output);
         }
+        let (out, _) = out.as_chunks_mut();
         let share = 1.0 / self.weight(self.samples.max(1));
-        let share = if estimator == Estimator::Pooled { 0.0 } else { share };
-        self.for_each_colour(out, |i, rgb| *rgb = [0, 1, 2].map(|c| self.planes.excess[c][i] * share));
-        if estimator == Estimator::Balanced {
-            self.balance(out, scratch);
+        let (layout, planes, radius) = (&self.layout, &self.planes, self.settings.balance_radius);
+        match estimator {
+            Estimator::Pooled => estimate::plain(layout, planes, 0.0, out),
+            Estimator::Subframe | Estimator::Difference => estimate::plain(layout, planes, share, out),
+            Estimator::Balanced => estimate::balanced(layout, planes, share, radius, scratch, out),
         }
-        self.for_each_colour(out, |i, rgb| {
-            rgb.iter_mut().zip(self.planes.mean_at(i)).for_each(|(sum, mean)| *sum += mean)
-        });
         Ok(())
-    }
-
-    /// Spreads the excess in `out` over the neighbourhood, in proportion to what each pixel takes.
-    fn balance(&self, out: &mut [f32], scratch: &mut [Lanes]) {
-        let size = (self.settings.width as usize, self.settings.height as usize);
-        let radius = self.settings.balance_radius;
-        let (taken, lines) = scratch.split_at_mut(self.layout.pixels().div_ceil(LANES));
-        let taken = &mut taken.as_flattened_mut()[..self.layout.pixels()];
-        let takes = |i| libm::sqrtf(luminance(self.planes.mean_at(i)).max(0.0));
-        self.layout.for_each_run(|run, raster| {
-            let length = run.len();
-            run.zip(&mut taken[raster..raster + length]).for_each(|(i, out)| *out = takes(i));
-        });
-        estimate::smooth::<1>(taken, size, radius, lines);
-        let (pixels, _) = out.as_chunks_mut::<3>();
-        for (rgb, taken) in pixels.iter_mut().zip(taken) {
-            // Where nobody takes anything, no sample was ever bright: there is nothing to spread.
-            *rgb = rgb.map(|excess| excess / taken.max(1e-12));
-        }
-        estimate::smooth::<3>(out, size, radius, lines);
-        self.for_each_colour(out, |i, rgb| *rgb = rgb.map(|share| share * takes(i)));
-    }
-
-    /// Calls `f` with the storage index and the place in interleaved `out` of every pixel.
-    fn for_each_colour(&self, out: &mut [f32], mut f: impl FnMut(usize, &mut [f32; 3])) {
-        let (pixels, _) = out.as_chunks_mut::<3>();
-        self.layout.for_each_run(|run, raster| {
-            let length = run.len();
-            run.zip(&mut pixels[raster..raster + length]).for_each(|(i, rgb)| f(i, rgb));
-        });
     }
 
     /// Writes the variance of every pixel's mean luminance, as far as its own samples know it, row by row.

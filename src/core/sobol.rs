@@ -21,10 +21,10 @@ pub fn point(index: u32x8, key: u32x8, set: u32) -> (f32x8, f32x8) {
     (unit(reverse(x)), unit(reverse(y)))
 }
 
-/// The key of a pixel's sequence.
+/// The key of a frame; a pixel's sequence has the [`hash8`] of this and its place.
 #[inline]
-pub fn pixel_key(seed: u32, frame: u32, x: u32, y: u32) -> u32 {
-    hash(hash(hash(seed) ^ frame) ^ (y << 16 | x))
+pub(crate) fn frame_key(seed: u32, frame: u32) -> u32 {
+    hash(hash(seed) ^ frame)
 }
 
 /// Mixes 32 bits, one to one (the function `lowbias32` of Wellons' hash prospector), 0 not to 0.

@@ -39,7 +39,7 @@ fn main() -> Result<(), Error> {
     }
 
     // `Sampler::resolve_scratch(WIDTH, HEIGHT)` says how much.
-    let (mut rgb, mut scratch) = ([0.0; 3 * PIXELS], [[0.0; 16]; PIXELS / 16 + 5 * WIDTH as usize]);
+    let (mut rgb, mut scratch) = ([0.0; 3 * PIXELS], [[0.0; 16]; PIXELS / 256 + WIDTH as usize]);
     sampler.resolve(Estimator::Balanced, &mut scratch, &mut rgb)?;
     let mut count = [0; PIXELS];
     sampler.count(&mut count)?;

@@ -1,14 +1,15 @@
 //! Sums over 3 × 3 pixels of the film, a tile at a time.
 //!
-//! A tile and the pixels around it are copied into a small raster [`Block`]; beyond the film it holds zeros, so
-//! windows at the border sum over the pixels that exist.
+//! Quantities of a tile and of the pixels around it are computed into small raster [`Block`]s; beyond the film they
+//! are zero, so windows at the border sum over the pixels that exist.
 
+use super::eight::{read8, write8};
 use super::{Layout, TILE, Tile};
 use core::ops::Range;
 use wide::f32x8;
 
 /// Side of a tile.
-const SIDE: usize = TILE as usize;
+pub(crate) const SIDE: usize = TILE as usize;
 /// Rows of a block: a tile and one more at each end.
 const ROWS: usize = SIDE + 2;
 /// Columns of a block: column 0 is left of the tile, the last ones fill the third vector up.
@@ -16,8 +17,6 @@ const COLUMNS: usize = SIDE + 8;
 
 /// A tile of one quantity with the pixels around it.
 pub(crate) type Block = [[f32; COLUMNS]; ROWS];
-/// A quantity of every pixel of a tile.
-pub(crate) type Inner = [[f32; SIDE]; SIDE];
 
 /// Which pixels a window sums over.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -29,113 +28,92 @@ pub enum Window {
     Square3,
 }
 
-impl Window {
-    /// Sums around every pixel of the tile.
-    #[inline]
-    pub(crate) fn sums(self, block: &Block) -> Inner {
-        match self {
-            Window::Pixel => inner(block),
-            Window::Square3 => square3(block),
-        }
-    }
-}
+/// Blocks of `N` quantities, filled tile after tile.
+pub(crate) struct Blocks<const N: usize>([Block; N]);
 
-/// The tile without the pixels around it.
-pub(crate) fn inner(block: &Block) -> Inner {
-    core::array::from_fn(|y| core::array::from_fn(|x| block[y + 1][x + 1]))
-}
-
-/// Sums over 3 × 3 pixels, weighted 1, 2, 1 each way: three rows into one, then three columns.
-fn square3(block: &Block) -> Inner {
-    let mut sums = [[0.0; SIDE]; SIDE];
-    for (y, sums) in sums.iter_mut().enumerate() {
-        let rows: &[[f32; COLUMNS]; 3] = block[y..].first_chunk().expect("two rows more than the tile");
-        let mut column = [0.0; COLUMNS];
-        (0..COLUMNS).for_each(|x| column[x] = rows[0][x] + 2.0 * rows[1][x] + rows[2][x]);
-        (0..SIDE).for_each(|x| sums[x] = column[x] + 2.0 * column[x + 1] + column[x + 2]);
-    }
-    sums
-}
-
-/// Where the pixels of a block are stored.
-pub(crate) struct Around {
-    rows: [Option<Row>; ROWS],
-}
-
-/// Storage of one row of a block.
-#[derive(Clone)]
-struct Row {
-    left: Option<usize>,
-    middle: Range<usize>,
-    right: Option<usize>,
-}
-
-impl Around {
-    /// Finds the surroundings of `tile`.
-    pub fn new(layout: &Layout, tile: &Tile) -> Around {
-        let right = tile.x0 + tile.width;
-        let row = |y: u32| {
-            let first = layout.index(tile.x0, y);
-            Row {
-                left: (tile.x0 > 0).then(|| layout.index(tile.x0 - 1, y)),
-                middle: first..first + tile.width as usize,
-                right: (right < layout.width()).then(|| layout.index(right, y)),
-            }
-        };
-        let rows = core::array::from_fn(|i| {
-            let y = (tile.y0 + i as u32).checked_sub(1)?;
-            (y < layout.height() && i as u32 <= tile.height + 1).then(|| row(y))
-        });
-        Around { rows }
+impl<const N: usize> Blocks<N> {
+    /// Blocks of zeros.
+    pub fn new() -> Self {
+        Blocks([[[0.0; COLUMNS]; ROWS]; N])
     }
 
-    /// The block of the quantity that `value` makes of a plane.
+    /// Fills the blocks with the surroundings of `tile`; `quantities` says what up to eight neighbouring pixels have.
+    ///
+    /// Column after column, each in a short loop: so many rows are fetched at once, and waits for memory overlap.
     #[inline(always)]
-    pub fn load<T: Copy>(&self, plane: &[T], value: impl Fn(T) -> f32) -> Block {
-        let mut block = [[0.0; COLUMNS]; ROWS];
-        for (row, out) in self.rows.iter().zip(&mut block) {
-            let Some(row) = row else { continue };
-            if let Some(left) = row.left {
-                out[0] = value(plane[left]);
-            }
-            if let Some(right) = row.right {
-                out[row.middle.len() + 1] = value(plane[right]);
-            }
-            let middle = &plane[row.middle.clone()];
-            match middle.first_chunk::<SIDE>() {
-                // A whole row of a tile: its length is known, so this becomes two vector instructions.
-                Some(whole) => (0..SIDE).for_each(|k| out[k + 1] = value(whole[k])),
-                None => out[1..].iter_mut().zip(middle).for_each(|(out, new)| *out = value(*new)),
+    pub fn fill(&mut self, layout: &Layout, tile: &Tile, quantities: impl Fn(Range<usize>) -> [f32x8; N]) {
+        let width = tile.width as usize;
+        // Row 0 of the blocks is above the tile.
+        let first = usize::from(tile.y0 == 0);
+        let end = ROWS.min((layout.height() + 1 - tile.y0) as usize);
+        let rows = first..end;
+        let index = |x: u32, i: usize| layout.index(x, tile.y0 + i as u32 - 1);
+        if rows.len() < ROWS || width < SIDE {
+            self.0 = [[[0.0; COLUMNS]; ROWS]; N];
+        }
+        let right = tile.x0 + tile.width;
+        if right < layout.width() {
+            // Eight at a time here too, though one of them is wanted.
+            let row = |i| index(right, i)..layout.pixels().min(index(right, i) + 8);
+            rows.clone().for_each(|i| self.set(i, 1 + width, quantities(row(i)).map(|q| q.to_array()[0])));
+        } else {
+            rows.clone().for_each(|i| self.set(i, 1 + width, [0.0; N]));
+        }
+        for x in (0..width).step_by(8) {
+            for i in rows.clone() {
+                let start = index(tile.x0, i) + x;
+                let values = quantities(start..start + 8.min(width - x));
+                // By index: an iterator over vectors by value would take them through memory.
+                (0..N).for_each(|q| write8(&mut self.0[q][i][1 + x..], values[q]));
             }
         }
-        block
+        if tile.x0 > 0 {
+            // Left of a tile is a whole one.
+            let row = |i| index(tile.x0 - 8, i)..index(tile.x0 - 8, i) + 8;
+            rows.clone().for_each(|i| self.set(i, 0, quantities(row(i)).map(|q| q.to_array()[7])));
+        } else {
+            rows.clone().for_each(|i| self.set(i, 0, [0.0; N]));
+        }
     }
-}
 
-/// The block of what `f` makes of the values of others.
-#[inline(always)]
-pub(crate) fn combine<const N: usize>(blocks: [&Block; N], f: impl Fn([f32; N]) -> f32) -> Block {
-    let mut result = [[0.0; COLUMNS]; ROWS];
-    for (y, row) in result.iter_mut().enumerate() {
-        (0..COLUMNS).for_each(|x| row[x] = f(blocks.map(|block| block[y][x])));
+    #[inline(always)]
+    fn set(&mut self, i: usize, column: usize, values: [f32; N]) {
+        (0..N).for_each(|q| self.0[q][i][column] = values[q]);
     }
-    result
-}
 
-/// Eight values of a row from column `x` on.
-#[inline(always)]
-pub(crate) fn read8(row: &[f32; SIDE], x: usize) -> f32x8 {
-    let mut lanes = [0.0; 8];
-    lanes.copy_from_slice(&row[x..x + 8]);
-    f32x8::from(lanes)
-}
+    /// Calls `f(y, sums, own)` for every row `y` of the tile: sums over the windows of eight pixels from column `x`
+    /// on, and the quantities of the pixels themselves.
+    #[inline(always)]
+    pub fn for_each_row(
+        &self,
+        window: Window,
+        x: usize,
+        rows: usize,
+        mut f: impl FnMut(usize, [f32x8; N], [f32x8; N]),
+    ) {
+        let own = |y: usize| self.0.each_ref().map(|block| read8(&block[y + 1][x + 1..]));
+        let mut above = self.across(x, 0);
+        let mut here = self.across(x, 1);
+        let mut pair: [f32x8; N] = core::array::from_fn(|q| above[q] + here[q]);
+        for y in 0..rows {
+            if window == Window::Pixel {
+                f(y, own(y), own(y));
+                continue;
+            }
+            (above, here) = (here, self.across(x, y + 2));
+            let next: [f32x8; N] = core::array::from_fn(|q| above[q] + here[q]);
+            f(y, core::array::from_fn(|q| pair[q] + next[q]), own(y));
+            pair = next;
+        }
+    }
 
-/// Writes as many lanes as there is room for, up to eight.
-#[inline(always)]
-pub(crate) fn write8(to: &mut [f32], value: f32x8) {
-    let lanes = value.to_array();
-    match to.first_chunk_mut::<8>() {
-        Some(whole) => *whole = lanes,
-        None => to.iter_mut().zip(lanes).for_each(|(to, lane)| *to = lane),
+    /// Eight sums over three columns, weighted 1, 2, 1, in row `i` of the blocks.
+    #[inline(always)]
+    fn across(&self, x: usize, i: usize) -> [f32x8; N] {
+        self.0.each_ref().map(|block| {
+            let row = &block[i];
+            let middle = read8(&row[x + 1..]);
+            (read8(&row[x..]) + middle) + (middle + read8(&row[x + 2..]))
+        })
     }
 }

@@ -3,9 +3,10 @@
 use super::settings::{Error, Sequence};
 use crate::batch::{Batch8, Integrand, Rgb8};
 use crate::estimate::{Estimator, Weight};
-use crate::film::{Layout, Moments, Planes, Tile};
-use crate::sobol::{self, hash};
-use wide::{f32x8, u32x8};
+use crate::film::arrivals::{Arrivals, GROUP, Sums, samples};
+use crate::film::{Layout, Planes, Tile};
+use crate::sobol;
+use wide::{f32x4, f32x8, u32x8};
 
 /// Samples a job has at least, the last one of an iteration excepted.
 const JOB_SAMPLES: u64 = 4096;
@@ -52,23 +53,29 @@ impl core::ops::AddAssign for Tally {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Context {
     pub layout: Layout,
-    pub seed: u32,
+    /// Key of the frame's sequences, and of the iteration's.
     pub frame: u32,
-    pub sequence: Sequence,
     pub iteration: u32,
+    pub sequence: Sequence,
     pub estimator: Estimator,
     pub weight: Weight,
 }
 
 impl Context {
-    /// Key of a pixel's sequence and the number of its next point.
-    #[inline]
-    fn start(&self, x: u32, y: u32, drawn: u32) -> (u32, u32) {
-        let key = sobol::pixel_key(self.seed, self.frame, x, y);
+    /// Keys of the sequences of the pixels at `place`, a row in the upper and a column in the lower half.
+    #[inline(always)]
+    fn keys(&self, place: u32x8) -> u32x8 {
+        let key = sobol::hash8(place ^ u32x8::splat(self.frame));
         match self.sequence {
-            Sequence::Continued => (key, drawn),
-            Sequence::Fresh => (hash(key ^ hash(self.iteration)), 0),
+            Sequence::Continued => key,
+            Sequence::Fresh => sobol::hash8(key ^ u32x8::splat(self.iteration)),
         }
+    }
+
+    /// Number of the next point of a pixel's sequence.
+    #[inline(always)]
+    fn index(&self, drawn: u32) -> u32 {
+        if self.sequence == Sequence::Continued { drawn } else { 0 }
     }
 }
 
@@ -117,45 +124,43 @@ pub struct Job<'a> {
     samples: u64,
     filled: u64,
     accepted: u64,
-    rejected: u64,
     next: Place,
-    /// Pixel whose samples are being accepted, how many of them were, and what is known of them.
+    last: Accepting,
+    arrivals: Arrivals,
+}
+
+/// The pixel whose samples are being accepted.
+#[derive(Clone, Copy, Debug)]
+struct Accepting {
     pixel: usize,
-    taken: u32,
-    partial: Moments,
+    /// Samples planned that are still to come.
+    left: u32,
+    sums: Sums,
+    rejected: u64,
 }
 
 /// The pixel whose samples are being handed out.
 #[derive(Clone, Copy, Debug)]
 struct Place {
     pixel: usize,
+    /// Number of the next sample in this iteration, and how many are planned.
     number: u32,
+    planned: u32,
     tile: Tile,
     tile_number: u32,
     dx: u32,
     dy: u32,
-    key: u32,
+    /// Number of the iteration's first point in the pixel's sequence.
     index: u32,
 }
 
 impl<'a> Job<'a> {
     fn new(planes: Planes<'a>, context: Context, tile_number: u32, samples: u64) -> Self {
         let tile = context.layout.tile(tile_number);
-        let (key, index) = context.start(tile.x0, tile.y0, planes.drawn[0]);
-        let next = Place { pixel: 0, number: 0, tile, tile_number, dx: 0, dy: 0, key, index };
-        let partial = Moments::default();
-        Job {
-            planes,
-            context,
-            samples,
-            filled: 0,
-            accepted: 0,
-            rejected: 0,
-            next,
-            pixel: 0,
-            taken: 0,
-            partial,
-        }
+        let (planned, index) = (planes.planned[0], context.index(planes.drawn[0]));
+        let next = Place { pixel: 0, number: 0, planned, tile, tile_number, dx: 0, dy: 0, index };
+        let last = Accepting { pixel: 0, left: planned, sums: Sums::default(), rejected: 0 };
+        Job { planes, context, samples, filled: 0, accepted: 0, next, last, arrivals: Arrivals::NONE }
     }
 
     /// Number of samples planned.
@@ -190,72 +195,93 @@ impl<'a> Job<'a> {
 
     fn fill_one(&mut self) -> Batch8 {
         let lanes = (self.samples - self.filled).min(8) as usize;
-        let (mut x, mut y) = ([0.0; 8], [0.0; 8]);
-        let (mut index, mut key) = ([0; 8], [0; 8]);
-        for lane in 0..8 {
-            if lane < lanes {
-                self.seek();
-                (index[lane], key[lane]) = (self.next.index.wrapping_add(self.next.number), self.next.key);
-                x[lane] = (self.next.tile.x0 + self.next.dx) as f32;
-                y[lane] = (self.next.tile.y0 + self.next.dy) as f32;
-                self.next.number += 1;
-            } else {
-                (x[lane], y[lane]) = (x[lanes - 1], y[lanes - 1]);
-                (index[lane], key[lane]) = (index[lanes - 1], key[lanes - 1]);
+        let (mut index, mut place) = ([0; 8], [0; 8]);
+        let mut lane = 0;
+        while lane < lanes {
+            self.seek();
+            let run = lanes.min(lane + (self.next.planned - self.next.number) as usize);
+            let (x, y) = (self.next.tile.x0 + self.next.dx, self.next.tile.y0 + self.next.dy);
+            let at = y << 16 | x;
+            let first = self.next.index.wrapping_add(self.next.number);
+            for k in lane..run {
+                (index[k], place[k]) = (first.wrapping_add((k - lane) as u32), at);
             }
+            self.next.number += (run - lane) as u32;
+            lane = run;
+        }
+        for k in lanes..8 {
+            (index[k], place[k]) = (index[lanes - 1], place[lanes - 1]);
         }
         self.filled += lanes as u64;
-        let (index, key) = (u32x8::from(index), u32x8::from(key));
+        let (index, place) = (u32x8::from(index), u32x8::from(place));
+        let key = self.context.keys(place);
         let (u, v) = sobol::point(index, key, 0);
-        Batch8 { lanes: lanes as u32, x: inside(x.into(), u), y: inside(y.into(), v), index, key }
+        let (x, y) = (place & u32x8::splat(0xffff), place >> 16);
+        Batch8 { lanes: lanes as u32, x: inside(x, u), y: inside(y, v), index, key }
     }
 
     /// Moves to the next pixel that has a sample left to hand out. There must be one.
-    #[inline]
+    #[inline(always)]
     fn seek(&mut self) {
         let next = &mut self.next;
-        if next.number < self.planes.planned[next.pixel] {
+        if next.number < next.planned {
             return;
         }
-        while next.number >= self.planes.planned[next.pixel] {
+        while next.number >= next.planned {
             next.step(&self.context.layout);
+            next.planned = self.planes.planned[next.pixel];
         }
-        let (x, y) = (next.tile.x0 + next.dx, next.tile.y0 + next.dy);
-        (next.key, next.index) = self.context.start(x, y, self.planes.drawn[next.pixel]);
+        next.index = self.context.index(self.planes.drawn[next.pixel]);
     }
 
     /// Takes the radiances of the samples handed out, in the same order; superfluous ones are ignored.
     pub fn accept(&mut self, radiance: &[Rgb8]) {
         for rgb in radiance {
             let lanes = (self.filled - self.accepted).min(8) as usize;
-            let usable = usable(rgb);
-            let (r, g, b) = (rgb.r.to_array(), rgb.g.to_array(), rgb.b.to_array());
-            (0..lanes).for_each(|lane| self.accept_one([r[lane], g[lane], b[lane]], usable >> lane & 1 == 1));
+            self.accept_batch(&samples(rgb)[..lanes], usable(rgb));
             self.accepted += lanes as u64;
+        }
+        if self.accepted == self.samples {
+            self.merge_before((self.last.pixel / GROUP + 1) * GROUP);
         }
     }
 
+    /// Takes samples, of which those with a bit in `usable` enter the film.
     #[inline(always)]
-    fn accept_one(&mut self, rgb: [f32; 3], usable: bool) {
-        while self.taken == self.planes.planned[self.pixel] {
-            (self.pixel, self.taken, self.partial) = (self.pixel + 1, 0, Moments::default());
+    fn accept_batch(&mut self, samples: &[f32x4], usable: u32) {
+        let mut last = self.last;
+        for (lane, sample) in samples.iter().enumerate() {
+            while last.left == 0 {
+                last.pixel += 1;
+                if last.pixel.is_multiple_of(GROUP) {
+                    self.merge_before(last.pixel);
+                }
+                (last.left, last.sums) = (self.planes.planned[last.pixel], Sums::default());
+            }
+            if usable >> lane & 1 == 1 {
+                last.sums.add(*sample);
+            } else {
+                last.rejected += 1;
+            }
+            last.left -= 1;
+            if last.left == 0 {
+                let planned = self.planes.planned[last.pixel];
+                self.arrivals.set(last.pixel % GROUP, &last.sums, planned);
+            }
         }
-        if usable {
-            self.partial.add(rgb);
-        } else {
-            self.rejected += 1;
-        }
-        self.taken += 1;
-        if self.taken == self.planes.planned[self.pixel] {
-            let mut pixel = self.planes.pixel(self.pixel);
-            self.context.estimator.arrive(&mut pixel, &self.partial, self.taken, self.context.weight);
-            pixel.merge(&self.partial, self.taken);
-        }
+        self.last = last;
+    }
+
+    /// Merges the group of pixels that ends before `end` into the film.
+    fn merge_before(&mut self, end: usize) {
+        let (estimator, weight) = (self.context.estimator, self.context.weight);
+        self.arrivals.merge(&mut self.planes, end - GROUP, estimator, weight);
+        self.arrivals = Arrivals::NONE;
     }
 
     /// Samples accepted so far.
     pub fn tally(&self) -> Tally {
-        Tally { samples: self.accepted - self.rejected, rejected: self.rejected }
+        Tally { samples: self.accepted - self.last.rejected, rejected: self.last.rejected }
     }
 }
 
@@ -286,7 +312,8 @@ fn usable(rgb: &Rgb8) -> u32 {
 
 /// `pixel + offset`, kept below `pixel + 1` where the sum would be rounded up to it.
 #[inline(always)]
-fn inside(pixel: f32x8, offset: f32x8) -> f32x8 {
+fn inside(pixel: u32x8, offset: f32x8) -> f32x8 {
+    let pixel = f32x8::from_i32x8(bytemuck::cast(pixel));
     let end: u32x8 = bytemuck::cast(pixel + f32x8::ONE);
     let last: f32x8 = bytemuck::cast(end - u32x8::splat(1));
     (pixel + offset).fast_min(last)

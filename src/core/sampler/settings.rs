@@ -54,7 +54,8 @@ pub struct Settings {
     pub epsilon: f32,
     /// m, samples every pixel expects at least in an iteration; may be a fraction.
     pub floor: f32,
-    /// Radius in pixels of the balanced estimator's three boxes; σ² = r(r + 1).
+    /// Radius r in pixels of the balanced estimator's three boxes: σ² is about r(r + 1), and at least 16, as it works on
+    /// cells of 8 × 8 pixels.
     pub balance_radius: u32,
 }
 

@@ -2,6 +2,11 @@
 
 use super::*;
 
+/// The key of the sequence of the pixel at `x`, `y`, as the sampler makes it.
+fn pixel_key(seed: u32, frame: u32, x: u32, y: u32) -> u32 {
+    hash(frame_key(seed, frame) ^ (y << 16 | x))
+}
+
 /// Eight points of one key, as pairs.
 fn eight(index: u32, key: u32, set: u32) -> [(f32, f32); 8] {
     let (x, y) = point(u32x8::from(core::array::from_fn(|i| index + i as u32)), u32x8::splat(key), set);

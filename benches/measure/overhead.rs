@@ -1,0 +1,125 @@
+//! The sampler's own cost by the size of the picture: nanoseconds a pixel to begin and to resolve, beside a plain
+//! pass that reads and writes the same bytes, and nanoseconds a sample to hand out and accept. One thread.
+//!
+//! `cargo run --release --example overhead -- [RUNS [SPP]]` prints a Markdown table of medians; the sides of each
+//! row alternate, so that a noisy machine hurts them alike.
+
+use pmcip_core::batch::{Batch8, Integrand, Rgb8};
+use pmcip_core::film::BYTES_PER_PIXEL;
+use pmcip_core::sampler::{Memory, Sampler, Settings, Workspace};
+use std::hint::black_box;
+use std::time::Instant;
+
+const SIZES: [(u32, u32); 5] = [(256, 256), (512, 512), (1024, 1024), (1920, 1080), (4096, 4096)];
+
+/// Noise everywhere, so that no shortcut is taken; costs next to nothing itself.
+struct Noise;
+
+impl Integrand for Noise {
+    fn radiance(&mut self, batch: &Batch8) -> Rgb8 {
+        let value = batch.x - batch.x.floor();
+        Rgb8 { r: value, g: value, b: value }
+    }
+}
+
+/// Nanoseconds of each step: a pixel, but `samples` a sample.
+#[derive(Clone, Copy, Debug, Default)]
+struct Cost {
+    begin: f64,
+    samples: f64,
+    resolve: f64,
+    plain: f64,
+}
+
+fn main() {
+    let mut arguments = std::env::args().skip(1).map(|a| a.parse::<usize>().expect("a whole number"));
+    let runs = arguments.next().unwrap_or(15).max(1);
+    let spp = arguments.next().unwrap_or(2).max(1);
+    println!(
+        "| size | begin ns/px | resolve ns/px | plain pass ns/px | ratio | ns/sample | film, scratch bytes/px |"
+    );
+    println!("| --- | --- | --- | --- | --- | --- | --- |");
+    for (width, height) in SIZES {
+        // As many pixels for the small sizes as for the large ones.
+        let repeat = (1920 * 1080 / (width * height) as usize).clamp(1, 32);
+        let pixels = f64::from(width * height);
+        let costs = measure(width, height, runs.max(3) * repeat, spp as u64);
+        let median = |of: fn(&Cost) -> f64| median(costs.iter().map(of).collect());
+        let own = median(|c| c.begin + c.resolve);
+        let plain = median(|c| c.plain);
+        println!(
+            "| {width}×{height} | {:.2} | {:.2} | {plain:.2} | {:.2} | {:.1} | {BYTES_PER_PIXEL} + {:.2} |",
+            median(|c| c.begin),
+            median(|c| c.resolve),
+            own / plain,
+            median(|c| c.samples),
+            64.0 * Sampler::resolve_scratch(width, height) as f64 / pixels,
+        );
+    }
+}
+
+fn measure(width: u32, height: u32, runs: usize, spp: u64) -> Vec<Cost> {
+    let required = Sampler::required(width, height);
+    let (mut floats, mut words) = (vec![0.0; required.floats], vec![0; required.words]);
+    let memory = Memory { floats: &mut floats, words: &mut words };
+    let settings = Settings::new(width, height);
+    let mut sampler = Sampler::new(settings, memory).expect("valid settings");
+    let (mut batches, mut radiance) = (vec![Batch8::default(); 256], vec![Rgb8::default(); 256]);
+    let mut work = Workspace::new(&mut batches, &mut radiance).expect("not empty");
+    let pixels = u64::from(width * height);
+    let mut scratch = vec![[0.0; 16]; Sampler::resolve_scratch(width, height)];
+    let mut rgb = vec![0.0; 3 * pixels as usize];
+    let mut plain = Plain::new(pixels as usize);
+    let time = |count: u64, f: &mut dyn FnMut()| {
+        let start = Instant::now();
+        f();
+        start.elapsed().as_secs_f64() * 1e9 / count as f64
+    };
+    let mut run = || {
+        let begin = time(pixels, &mut || sampler.begin(spp * pixels).expect("none is running"));
+        let samples = time(spp * pixels, &mut || {
+            sampler.jobs().for_each(|mut job| _ = job.render(&mut Noise, &mut work));
+        });
+        let end = time(pixels, &mut || _ = sampler.end().expect("all jobs were rendered"));
+        let resolve = time(pixels, &mut || {
+            sampler.resolve(settings.estimator, &mut scratch, &mut rgb).expect("memory suffices");
+        });
+        let plain = time(pixels, &mut || plain.pass());
+        Cost { begin: begin + end, samples, resolve, plain }
+    };
+    run(); // The first iteration is uniform.
+    (0..runs).map(|_| run()).collect()
+}
+
+/// Planes like the film's.
+struct Plain {
+    read: [Vec<f32>; 8],
+    written: [Vec<f32>; 2],
+    rgb: Vec<[f32; 3]>,
+}
+
+impl Plain {
+    fn new(pixels: usize) -> Plain {
+        let plane = || vec![1.0; pixels];
+        Plain { read: [(); 8].map(|()| plane()), written: [plane(), plane()], rgb: vec![[0.0; 3]; pixels] }
+    }
+
+    /// What `begin` and `resolve` read and write, and nothing computed: the bound of memory.
+    fn pass(&mut self) {
+        let [count, r, g, b, m2, x, y, z] = &self.read;
+        let [target, planned] = &mut self.written;
+        for i in 0..count.len() {
+            target[i] = count[i] + m2[i];
+            planned[i] = r[i] + g[i] + b[i];
+        }
+        for (i, rgb) in self.rgb.iter_mut().enumerate() {
+            *rgb = [r[i] + x[i], g[i] + y[i], b[i] + z[i]];
+        }
+        black_box((&mut self.written, &mut self.rgb));
+    }
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
+}
