@@ -106,7 +106,8 @@ impl<'a> Shooter<'a> {
     /// Fills the queue with `count` emitted photons.
     fn start(&mut self, shots: &Shots, first: u32, count: u32) {
         self.queue.clear();
-        let key = u32x8::splat(sobol::pixel_key(shots.seed, shots.frame, KEY, shots.map as u32));
+        let frame = sobol::frame_key(shots.seed, shots.frame);
+        let key = u32x8::splat(sobol::hash(frame ^ (shots.map as u32) << 16 ^ KEY));
         for start in (0..count).step_by(8) {
             let lane = u32x8::new([0, 1, 2, 3, 4, 5, 6, 7]);
             let index = u32x8::splat(first.wrapping_add(start)) + lane;
