@@ -6,12 +6,17 @@
 //! its degrees of freedom, and divided by the pixel's own count where the [`Criterion`] says so; L̂ is the mean
 //! over the window's pixels that have samples, in cd/m².
 //!
-//! Where a window has no degree of freedom nothing is known of its variance, and the weight is
+//! Where a window has fewer than [`ENOUGH`] degrees of freedom, what earlier frames [believed](crate::predict::Belief)
+//! fills them up, if anything was predicted; it has no say where the frame itself knows that much, so that a rare
+//! bright sample draws others as fast as without a prediction.
+//!
+//! Where there is no degree of freedom at all nothing is known of its variance, and the weight is
 //! [`UNKNOWN`], which [`allocate`](crate::allocate::allocate) takes for the mean of all others.
 
 use crate::film::window::{Around, Inner, combine, inner, read8, write8};
 use crate::film::{Layout, Planes, Tile, luminance};
 use crate::math::{exp2, log2};
+use crate::predict::Belief;
 use crate::tvi::log2_tvi;
 use wide::f32x8;
 
@@ -19,6 +24,9 @@ pub use crate::film::window::Window;
 
 /// The weight of a pixel of whose variance nothing is known.
 pub const UNKNOWN: f32 = -1.0;
+
+/// Degrees of freedom of a window beyond which a prediction has no say.
+pub const ENOUGH: f32 = 4.0;
 
 /// Which variance a weight is made of.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -56,14 +64,43 @@ impl Kernel {
         variance.simd_gt(f32x8::ZERO) & exp2(f32x8::splat(self.gamma) * ratio)
     }
 
-    /// Writes every pixel's weight into the plane `target`.
-    pub(crate) fn adapt(&self, layout: &Layout, planes: &mut Planes<'_>) {
+    /// Writes every pixel's weight into the plane `target`. `prior` has one belief a pixel, row by row, or none at all.
+    pub(crate) fn adapt(&self, layout: &Layout, planes: &mut Planes<'_>, prior: &[Belief]) {
         for tile in (0..layout.tiles()).map(|t| layout.tile(t)) {
-            self.adapt_tile(layout, &tile, planes);
+            let seen = self.see(layout, &tile, planes);
+            for y in 0..tile.height {
+                let first = (tile.y0 + y) as usize * layout.width() as usize + tile.x0 as usize;
+                let prior = prior.get(first..first + tile.width as usize).unwrap_or(&[]);
+                let out = planes.target[tile.row(y)].chunks_mut(8);
+                for (out, x) in out.zip([0, 8]) {
+                    let prior = prior.get(x..).unwrap_or(&[]);
+                    write8(out, self.weight_of(seen.eight(y as usize, x), prior));
+                }
+            }
         }
     }
 
-    fn adapt_tile(&self, layout: &Layout, tile: &Tile, planes: &mut Planes<'_>) {
+    /// Writes what the windows know of every pixel, row by row.
+    pub(crate) fn observe(&self, layout: &Layout, planes: &Planes<'_>, out: &mut [Belief]) {
+        for tile in (0..layout.tiles()).map(|t| layout.tile(t)) {
+            let seen = self.see(layout, &tile, planes);
+            for (y, x) in (0..tile.height as usize).flat_map(|y| [(y, 0), (y, 8)]) {
+                let first = (tile.y0 as usize + y) * layout.width() as usize + tile.x0 as usize + x;
+                let lanes = (tile.width as usize).saturating_sub(x).min(8);
+                let Eight { m2, freedom, light, known, .. } = seen.eight(y, x);
+                let variance = (m2 / freedom).to_array();
+                let light = (light / known).to_array();
+                let freedom = (freedom / f32x8::splat(self.window.weight())).to_array();
+                for (k, out) in out[first..first + lanes].iter_mut().enumerate() {
+                    let belief = Belief { variance: variance[k], light: light[k], freedom: freedom[k] };
+                    *out = belief.usable().unwrap_or(Belief::NONE);
+                }
+            }
+        }
+    }
+
+    /// Sums over the windows of a tile.
+    fn see(&self, layout: &Layout, tile: &Tile, planes: &Planes<'_>) -> Seen {
         let around = Around::new(layout, tile);
         let light = planes.mean.each_ref().map(|mean| around.load(mean, |mean| mean));
         let light = combine(light.each_ref(), luminance);
@@ -72,18 +109,75 @@ impl Kernel {
         let m2 = self.window.sums(&around.load(planes.m2, |m2| m2));
         let (samples, known) = (self.window.sums(&count), self.window.sums(&known));
         let (light, spent) = (self.window.sums(&light), inner(&count));
-        for y in 0..tile.height as usize {
-            let out = planes.target[tile.row(y as u32)].chunks_mut(8);
-            for (out, x) in out.zip([0, 8]) {
-                let eight = |inner: &Inner| read8(&inner[y], x);
-                let (known, spent) = (eight(&known), eight(&spent).fast_max(f32x8::ONE));
-                let freedom = eight(&samples) - known;
-                let divisor = if self.criterion == Criterion::Mean { freedom * spent } else { freedom };
-                let weight = self.weight(eight(&m2) / divisor, eight(&light) / known);
-                write8(out, freedom.simd_gt(f32x8::ZERO).bitselect(weight, f32x8::splat(UNKNOWN)));
-            }
+        Seen { m2, samples, known, light, spent }
+    }
+
+    /// Weights of eight pixels.
+    fn weight_of(&self, seen: Eight, prior: &[Belief]) -> f32x8 {
+        let Eight { m2, freedom, light, known, spent } = self.filled_up(seen, prior);
+        let divisor = if self.criterion == Criterion::Mean { freedom * spent } else { freedom };
+        let weight = self.weight(m2 / divisor, light / known);
+        freedom.simd_gt(f32x8::ZERO).bitselect(weight, f32x8::splat(UNKNOWN))
+    }
+
+    /// Windows of too few degrees of freedom, filled up by what is believed.
+    fn filled_up(&self, seen: Eight, prior: &[Belief]) -> Eight {
+        let lanes = |of: &dyn Fn(&Belief) -> f32| {
+            let value = |k| prior.get(k).and_then(Belief::usable).map_or(0.0, |belief| of(&belief));
+            f32x8::from(core::array::from_fn::<f32, 8, _>(value))
+        };
+        if prior.is_empty() {
+            return seen;
+        }
+        let weight = f32x8::splat(self.window.weight());
+        let lacking = (f32x8::splat(ENOUGH) * weight - seen.freedom).fast_max(f32x8::ZERO);
+        let lacking = lacking.fast_min(lanes(&|belief| belief.freedom) * weight);
+        Eight {
+            m2: seen.m2 + lacking * lanes(&|belief| belief.variance),
+            freedom: seen.freedom + lacking,
+            light: seen.light + lacking * lanes(&|belief| belief.light),
+            known: seen.known + lacking,
+            spent: seen.spent,
         }
     }
+}
+
+/// Sums over the windows of a tile, and the pixels' own counts.
+struct Seen {
+    m2: Inner,
+    samples: Inner,
+    known: Inner,
+    light: Inner,
+    spent: Inner,
+}
+
+impl Seen {
+    /// Eight pixels of row `y` from column `x` on.
+    #[inline(always)]
+    fn eight(&self, y: usize, x: usize) -> Eight {
+        let eight = |inner: &Inner| read8(&inner[y], x);
+        let known = eight(&self.known);
+        Eight {
+            m2: eight(&self.m2),
+            freedom: eight(&self.samples) - known,
+            light: eight(&self.light),
+            known,
+            spent: eight(&self.spent).fast_max(f32x8::ONE),
+        }
+    }
+}
+
+/// The windows of eight pixels, by the weights of the window.
+struct Eight {
+    /// Sum of squared deviations.
+    m2: f32x8,
+    /// Degrees of freedom.
+    freedom: f32x8,
+    /// Sum of luminances of the pixels that have samples, and their number.
+    light: f32x8,
+    known: f32x8,
+    /// The pixel's own samples, at least one.
+    spent: f32x8,
 }
 
 #[cfg(test)]

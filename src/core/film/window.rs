@@ -30,6 +30,14 @@ pub enum Window {
 }
 
 impl Window {
+    /// How many times it counts a degree of freedom, if all its pixels have equally many: Σw²/Σw.
+    pub(crate) fn weight(self) -> f32 {
+        match self {
+            Window::Pixel => 1.0,
+            Window::Square3 => 2.25,
+        }
+    }
+
     /// Sums around every pixel of the tile.
     #[inline]
     pub(crate) fn sums(self, block: &Block) -> Inner {
