@@ -64,6 +64,26 @@ impl Kernel {
         variance.simd_gt(f32x8::ZERO) & exp2(f32x8::splat(self.gamma) * ratio)
     }
 
+    /// Writes the kernel that beliefs make of a film without samples: α, which sums to one. Of what nothing is known takes
+    /// the mean. Entries beyond the shorter slice stay as they are.
+    pub fn alpha(&self, epsilon: f32, beliefs: &[Belief], alpha: &mut [f32]) {
+        let pixels = beliefs.len().min(alpha.len());
+        let (beliefs, alpha) = (&beliefs[..pixels], &mut alpha[..pixels]);
+        let none = Eight::default();
+        for (out, beliefs) in alpha.chunks_mut(8).zip(beliefs.chunks(8)) {
+            write8(out, self.weight_of(none, beliefs));
+        }
+        let known = || alpha.iter().filter(|weight| **weight >= 0.0);
+        let (sum, count) = (known().map(|w| f64::from(*w)).sum::<f64>(), known().count());
+        let mean = if sum > 0.0 && sum.is_finite() { sum / count as f64 } else { 0.0 };
+        let (uniform, epsilon) = (1.0 / pixels as f64, f64::from(epsilon));
+        for out in alpha {
+            let weight = if *out >= 0.0 { f64::from(*out) } else { mean };
+            let part = if mean > 0.0 { weight / (mean * pixels as f64) } else { uniform };
+            *out = (epsilon * uniform + (1.0 - epsilon) * part) as f32;
+        }
+    }
+
     /// Writes every pixel's weight into the plane `target`. `prior` has one belief a pixel, row by row, or none at all.
     pub(crate) fn adapt(&self, layout: &Layout, planes: &mut Planes<'_>, prior: &[Belief]) {
         for tile in (0..layout.tiles()).map(|t| layout.tile(t)) {
@@ -115,8 +135,8 @@ impl Kernel {
     /// Weights of eight pixels.
     fn weight_of(&self, seen: Eight, prior: &[Belief]) -> f32x8 {
         let Eight { m2, freedom, light, known, spent } = self.filled_up(seen, prior);
-        let divisor = if self.criterion == Criterion::Mean { freedom * spent } else { freedom };
-        let weight = self.weight(m2 / divisor, light / known);
+        let spent = if self.criterion == Criterion::Mean { spent.fast_max(f32x8::ONE) } else { f32x8::ONE };
+        let weight = self.weight(m2 / (freedom * spent), light / known);
         freedom.simd_gt(f32x8::ZERO).bitselect(weight, f32x8::splat(UNKNOWN))
     }
 
@@ -162,12 +182,13 @@ impl Seen {
             freedom: eight(&self.samples) - known,
             light: eight(&self.light),
             known,
-            spent: eight(&self.spent).fast_max(f32x8::ONE),
+            spent: eight(&self.spent),
         }
     }
 }
 
 /// The windows of eight pixels, by the weights of the window.
+#[derive(Clone, Copy, Default)]
 struct Eight {
     /// Sum of squared deviations.
     m2: f32x8,
@@ -176,7 +197,7 @@ struct Eight {
     /// Sum of luminances of the pixels that have samples, and their number.
     light: f32x8,
     known: f32x8,
-    /// The pixel's own samples, at least one.
+    /// The pixel's own samples.
     spent: f32x8,
 }
 

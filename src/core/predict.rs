@@ -5,7 +5,8 @@
 //! instead: variance and luminance of a pixel's samples, and how many degrees of freedom that knowledge is worth. A
 //! frame then adds to what earlier ones knew. From frame to frame:
 //!
-//! 1. [`carry`] moves the beliefs along a correspondence, from motion vectors or from homographies.
+//! 1. [`carry`] moves the beliefs along a correspondence, from motion vectors or from
+//!    homographies ([`tracks`]).
 //! 2. [`Sampler::begin_predicted`](crate::sampler::Sampler::begin_predicted) takes them where the frame itself knows
 //!    too little.
 //! 3. [`Sampler::beliefs`](crate::sampler::Sampler::beliefs) says what the frame has seen, and [`Filter::update`]
@@ -32,6 +33,8 @@
 //! assert_eq!(beliefs[3], seen[3]);
 //! # Ok::<(), pmcip_core::predict::Error>(())
 //! ```
+
+pub mod tracks;
 
 use crate::tvi::tvi;
 use wide::f32x8;
@@ -142,7 +145,8 @@ pub struct Filter {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Outlook {
     /// The part of all visible variance, over the threshold of vision, that lay beyond 8 times the prediction: small
-    /// where samples are tame, large where rare bright ones make the noise, or after a cut. From 0 to 1.
+    /// where samples are tame, large where rare bright ones make the noise, or after a cut; 1 if nothing was predicted.
+    /// From 0 to 1.
     pub surprise: f32,
     /// The part of the pixels of which anything had been predicted, 0 to 1.
     pub known: f32,
@@ -237,7 +241,8 @@ impl Filter {
             all += sum(variance);
         }
         let part = |a: f64, b: f64| if b > 0.0 { (a / b) as f32 } else { 0.0 };
-        Outlook { surprise: part(surprise, all), known: part(known as f64, beliefs.len() as f64) }
+        let surprise = if known == 0 { 1.0 } else { part(surprise, all) };
+        Outlook { surprise, known: part(known as f64, beliefs.len() as f64) }
     }
 }
 

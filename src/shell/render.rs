@@ -166,6 +166,7 @@ pub fn render_while(
         sampler.begin_predicted(samples, prior).map_err(setting)?;
         crew.work(sampler.jobs(), progress);
         tally = sampler.end().map_err(|error| Error::Work(error.to_string()))?;
+        predictor.see(&sampler, settings)?;
         if !go_on(&sampler)? {
             break;
         }

@@ -85,6 +85,8 @@ pub enum Startup {
     /// From nothing: uniform samples
     #[default]
     Uniform,
+    /// From earlier frames, carried along by homographies that are found in the pictures alone
+    Homography,
     /// From earlier frames, carried along by the depth and the motion of what is seen
     Motion,
 }
