@@ -77,7 +77,9 @@ fn frames_are_predicted_on_any_number_of_threads() {
     for startup in [Startup::Motion, Startup::Homography] {
         let one = sequence(Method::Pmc, startup, 3, 5, 1);
         let three = sequence(Method::Pmc, startup, 3, 5, 3);
-        assert!(!one[0].1 && !one[1].1 && one[2].1, "{startup:?}");
+        let predicted = [one[0].1, one[1].1, one[2].1];
+        // In so small a picture there is nothing to be found again.
+        assert_eq!(predicted, [false, false, startup == Startup::Motion]);
         for (a, b) in one.iter().zip(&three) {
             assert!(a.0.rgb == b.0.rgb && a.0.count == b.0.count && a.0.alpha == b.0.alpha);
         }
@@ -98,8 +100,8 @@ fn a_cut_starts_uniformly() {
     let mut predictor = Predictor::default();
     (0..3).for_each(|_| drop(next(animation.scene(), &settings, 1, &mut predictor)));
     assert!(predictor.prediction().is_some());
-    // From behind the open side to a view of the ceiling.
-    (settings.view.from, settings.view.at) = ([278.0, 100.0, 250.0], [278.0, 540.0, 300.0]);
+    // From the open side to a view back out of it.
+    settings.view.at = [278.0, 273.0, -2000.0];
     next(animation.scene(), &settings, 1, &mut predictor);
     assert!(predictor.prediction().is_none());
     next(animation.scene(), &settings, 1, &mut predictor);

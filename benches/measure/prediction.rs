@@ -28,7 +28,7 @@ struct Shown {
     predicted: Option<Vec<f32>>,
     last: Vec<f32>,
     milliseconds: f64,
-    surprise: f32,
+    miss: f32,
 }
 
 fn main() {
@@ -42,7 +42,7 @@ fn main() {
     let frames = animation.frames().map(|f| (f.first, f.last));
     let frames = range.within(frames).expect("frames of the scene");
     println!("{scene}, {side}×{side}, {spp} samples a pixel\n");
-    println!("| start | camera | RMSE ÷ floor | RMSE | floor | ms a frame | surprise |");
+    println!("| start | camera | RMSE ÷ floor | RMSE | floor | ms a frame | miss |");
     println!("| --- | --- | --- | --- | --- | --- | --- |");
     for (method, startup) in [
         (Method::Pmc, Startup::Motion),
@@ -57,7 +57,7 @@ fn main() {
                 let settings = Settings::new(animation.scene(), method, Some(spp), Some((side, side)));
                 Run { seed, settings: Settings { startup, ..settings }, predictor: Predictor::default() }
             });
-            let (mut errors, mut floors, mut times, mut surprises) = (vec![], vec![], vec![], vec![]);
+            let (mut errors, mut floors, mut times, mut misss) = (vec![], vec![], vec![], vec![]);
             for frame in frames.clone() {
                 animation.seek(frame).expect("a frame of the scene");
                 let view = if still { first } else { animation.scene().view };
@@ -69,13 +69,13 @@ fn main() {
                     errors.push(rmse(predicted, &shown[0].last));
                     floors.push(rmse(&shown[0].last, &shown[1].last));
                     times.push(shown[0].milliseconds);
-                    surprises.push(f64::from(shown[0].surprise));
+                    misss.push(f64::from(shown[0].miss));
                 }
             }
-            let [error, floor, time, surprise] = [errors, floors, times, surprises].map(|list| mean(&list));
+            let [error, floor, time, miss] = [errors, floors, times, misss].map(|list| mean(&list));
             let (ratio, camera) = (error / floor, if still { "still" } else { "moving" });
             println!(
-                "| {method} {startup:?} | {camera} | {ratio:.2} | {error:.2e} | {floor:.2e} | {time:.1} | {surprise:.2} |"
+                "| {method} {startup:?} | {camera} | {ratio:.2} | {error:.2e} | {floor:.2e} | {time:.1} | {miss:.2} |"
             );
         }
     }
@@ -108,9 +108,9 @@ impl Run {
             }
             alpha
         });
-        let surprise = self.predictor.outlook().map_or(0.0, |outlook| outlook.surprise);
+        let miss = self.predictor.outlook().map_or(0.0, |outlook| outlook.miss);
         let milliseconds = 1e3 * self.predictor.seconds();
-        Shown { predicted, last, milliseconds, surprise }
+        Shown { predicted, last, milliseconds, miss }
     }
 }
 

@@ -41,8 +41,6 @@ use wide::f32x8;
 
 /// Side of the blocks over which the filter judges a prediction.
 const BLOCK: usize = 16;
-/// A variance so many times the predicted one is a surprise.
-const SURPRISE: f32 = 8.0;
 
 /// What is believed of a pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -144,10 +142,10 @@ pub struct Filter {
 /// How well a frame was predicted.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Outlook {
-    /// The part of all visible variance, over the threshold of vision, that lay beyond 8 times the prediction: small
-    /// where samples are tame, large where rare bright ones make the noise, or after a cut; 1 if nothing was predicted.
-    /// From 0 to 1.
-    pub surprise: f32,
+    /// How far predicted and seen variances v and s were apart: Σ|s − v|/tvi over Σ max(s, v)/tvi. Small where samples
+    /// are tame and the motion is known; large where rare bright samples make the noise, where details are smaller than
+    /// a pixel, or after a cut; 1 if nothing was predicted. From 0 to 1.
+    pub miss: f32,
     /// The part of the pixels of which anything had been predicted, 0 to 1.
     pub known: f32,
 }
@@ -224,7 +222,7 @@ impl Filter {
 
     /// Compares predictions with what was seen.
     fn outlook(&self, beliefs: &[Belief], seen: &[Belief]) -> Outlook {
-        let (mut surprise, mut all, mut known) = (0.0, 0.0, 0usize);
+        let (mut miss, mut all, mut known) = (0.0, 0.0, 0usize);
         for (beliefs, seen) in beliefs.chunks(8).zip(seen.chunks(8)) {
             let lanes = |of: &dyn Fn(usize) -> f32| {
                 f32x8::from(core::array::from_fn(|k| if k < seen.len() { of(k) } else { 0.0 }))
@@ -235,14 +233,13 @@ impl Filter {
             let expected = lanes(&|k| usable(k).map_or(0.0, |(belief, _)| belief.variance));
             let light = lanes(&|k| usable(k).map_or(0.0, |(_, seen)| seen.light * self.cd_per_unit));
             let acuity = f32x8::ONE / tvi(light);
-            let beyond = (variance - f32x8::splat(SURPRISE) * expected).fast_max(f32x8::ZERO);
             let sum = |x: f32x8| (x * acuity).to_array().iter().map(|x| f64::from(*x)).sum::<f64>();
-            surprise += sum(beyond);
-            all += sum(variance);
+            miss += sum((variance - expected).abs());
+            all += sum(variance.fast_max(expected));
         }
         let part = |a: f64, b: f64| if b > 0.0 { (a / b) as f32 } else { 0.0 };
-        let surprise = if known == 0 { 1.0 } else { part(surprise, all) };
-        Outlook { surprise, known: part(known as f64, beliefs.len() as f64) }
+        let miss = if known == 0 { 1.0 } else { part(miss, all) };
+        Outlook { miss, known: part(known as f64, beliefs.len() as f64) }
     }
 }
 

@@ -7,10 +7,9 @@
 //! picture that is searched is that first iteration: it counts, and costs nothing.
 //!
 //! A frame starts uniformly, as if it were the first, if less than half of its pixels have been seen before (a cut), or
-//! if the frame before was full of
-//! [surprises](pmcip_core::predict::Outlook::surprise): where rare bright samples make
-//! the noise, or the light has changed, a look at the frame itself beats any memory. The first two frames are always
-//! uniform at first: nothing has been predicted yet that could be judged.
+//! if the frame before was [predicted badly](pmcip_core::predict::Outlook::miss): where rare bright samples make the
+//! noise, where edges creep by parts of a pixel, or where the light has changed, a look at the frame itself beats any
+//! memory. The first two frames always start so: there is no prediction yet that could be judged.
 //!
 //! Memory: about 150 bytes a pixel.
 
@@ -25,8 +24,8 @@ use std::time::Instant;
 
 mod pictures;
 
-/// Surprise from which on a frame is followed by a uniform start.
-pub const MAX_SURPRISE: f32 = 0.3;
+/// [`Outlook::miss`] from which on a frame is followed by a uniform start.
+pub const MAX_MISS: f32 = 0.3;
 /// The part of the pixels that must have been seen before.
 pub const MIN_KNOWN: f32 = 0.5;
 
@@ -123,7 +122,9 @@ impl Predictor {
         let view = self.look(scene, settings)?;
         let mut next = Next { view, prediction: Prediction::default(), trusted: false };
         if let Some(last) = &self.last {
-            let tame = settings.method == Method::Paper || last.outlook.surprise < MAX_SURPRISE;
+            let tame = settings.method == Method::Paper
+                || last.outlook.miss
+                    < std::env::var("PX").ok().and_then(|t| t.parse().ok()).unwrap_or(MAX_MISS);
             next.trusted = match (&next.view, &last.view) {
                 (View::Motion { motion, .. }, View::Motion { motion: before, .. }) => {
                     next.prediction = last.carried(&positions(motion, before), settings.method)?;

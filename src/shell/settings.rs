@@ -208,17 +208,21 @@ impl Settings {
 
     /// Samples of each iteration, at most.
     pub fn schedule(&self) -> impl Iterator<Item = u64> {
-        self.schedule_after(self.pilot())
+        self.schedule_after(self.pilot(), self.iterations)
     }
 
-    /// The same for a frame that starts from a prediction: the first iteration is shorter.
+    /// The same for a frame that starts from a prediction: the first iteration is one sample a pixel, and there is one
+    /// iteration more.
     pub fn predicted_schedule(&self) -> impl Iterator<Item = u64> {
-        self.schedule_after(if self.method == Method::Pmc { 1 } else { self.pilot() })
+        match self.method {
+            Method::Pmc => self.schedule_after(1, self.iterations.saturating_add(1)),
+            _ => self.schedule_after(self.pilot(), self.iterations),
+        }
     }
 
-    fn schedule_after(&self, pilot: u32) -> impl Iterator<Item = u64> + use<> {
+    fn schedule_after(&self, pilot: u32, iterations: u32) -> impl Iterator<Item = u64> + use<> {
         let growth = self.target.map(|target| Growth::new(self.pixels(), self.spp, target.expected_spp));
-        let fixed = || Schedule::new(self.pixels(), self.spp, pilot, self.iterations);
+        let fixed = || Schedule::new(self.pixels(), self.spp, pilot, iterations);
         let fixed = growth.is_none().then(fixed);
         growth.into_iter().flatten().chain(fixed.into_iter().flatten())
     }

@@ -42,7 +42,7 @@ fn a_change_of_everything_is_followed() {
     let mut beliefs = [belief(1.0, 1000.0); 64];
     let outlook = filter.update(8, &mut beliefs, &[belief(100.0, 100.0); 64]).unwrap();
     assert!(beliefs.iter().all(|b| b.variance > 85.0), "{:?}", beliefs[0]);
-    assert!(outlook.surprise > 0.9 && outlook.known == 1.0);
+    assert!(outlook.miss > 0.9 && outlook.known == 1.0);
 }
 
 #[test]
@@ -64,7 +64,7 @@ fn what_is_not_a_number_is_forgotten() {
         filter.update(8, &mut beliefs, &[belief(2.0, 3.0); 8]).unwrap();
         assert_eq!(beliefs, [belief(2.0, 3.0); 8]);
         let outlook = filter.update(8, &mut beliefs, &[spoilt; 8]).unwrap();
-        assert!(beliefs.iter().all(|b| b.variance == 2.0) && outlook.surprise == 0.0);
+        assert!(beliefs.iter().all(|b| b.variance == 2.0) && outlook.miss == 0.0);
     }
     assert_eq!(filter.update(3, &mut [Belief::NONE; 8], &[Belief::NONE; 8]), Err(Error::Size));
 }
