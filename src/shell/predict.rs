@@ -25,7 +25,7 @@ use std::time::Instant;
 mod pictures;
 
 /// [`Outlook::miss`] from which on a frame is followed by a uniform start.
-pub const MAX_MISS: f32 = 0.3;
+pub const MAX_MISS: f32 = 0.5;
 /// The part of the pixels that must have been seen before.
 pub const MIN_KNOWN: f32 = 0.5;
 
