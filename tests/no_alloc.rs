@@ -1,5 +1,5 @@
 //! The core allocates nothing while it builds lights, checks a scene, adapts, traces and resolves a frame,
-//! nor while it looks for features and homographies.
+//! nor while it looks for features and homographies or predicts a kernel.
 
 mod common;
 #[path = "no_std/frame.rs"]
@@ -10,6 +10,8 @@ use pmcip_core::camera::Camera;
 use pmcip_core::features::{self, Feature, Picture};
 use pmcip_core::homography::{self, Block, Pair};
 use pmcip_core::photon::{self, Irradiance, Leaf, Photon, Split, Tree};
+use pmcip_core::predict::tracks::{self, Tracks};
+use pmcip_core::predict::{Belief, Filter, carry};
 use pmcip_core::scene::Material;
 use pmcip_core::shade::gather::{Gather, Maps};
 use pmcip_core::shade::path::Packet;
@@ -119,6 +121,31 @@ fn features_and_homographies_allocate_nothing() {
         _ = black_box(homography::estimate(&pairs, &homography::Settings::default(), &mut blocks));
     };
     assert_eq!(allocations(work), 0);
+}
+
+#[test]
+fn a_prediction_allocates_nothing() {
+    const SIDE: usize = 64;
+    const PIXELS: usize = SIDE * SIDE;
+    let before = vec![Belief { variance: 1.0, light: 1.0, freedom: 9.0 }; PIXELS];
+    let mut beliefs = before.clone();
+    let density: Vec<f32> = (0..PIXELS).map(|i| if i % 64 < 9 { 1.0 } else { 0.1 }).collect();
+    let (mut labels, mut sizes) = (vec![0; PIXELS], vec![0; PIXELS]);
+    let mut positions = vec![[0.0; 2]; PIXELS];
+    let at = |i: usize| [(i * 7 % 61) as f64, (i * 13 % 59) as f64];
+    let pairs: [Pair; 40] = std::array::from_fn(|i| Pair { from: at(i), to: at(i) });
+    let (mut picked, mut blocks) = (pairs, [Block::default(); homography::required(40)]);
+    let work = || {
+        tracks::regions(&density, SIDE, 0.8, 9, &mut labels, &mut sizes).expect("enough scratch");
+        let settings = homography::Settings::default();
+        let tracks = Tracks::find(&pairs, &labels, SIDE, &settings, &mut picked, &mut blocks);
+        let tracks = tracks.expect("enough scratch");
+        tracks.positions(&labels, SIDE, SIDE, &mut positions).expect("planes of one size");
+        carry(&before, SIDE, SIDE, &positions, Belief::NONE, &mut beliefs).expect("planes of one size");
+        Filter::new(100.0).update(SIDE, &mut beliefs, &before).expect("planes of one size");
+    };
+    assert_eq!(allocations(work), 0);
+    assert!(beliefs.iter().all(|belief| belief.freedom > 9.0), "everything was carried");
 }
 
 #[test]

@@ -29,6 +29,7 @@
 //! Frames of an animation are not independent:
 //!
 //! * [`features`] – points of a picture that can be found again in another one, and who is who.
+//! * [`predict`] – what earlier frames tell about where the next one needs samples.
 //! * [`homography`] – the plane projective mapping on which most pairs of points agree.
 //!
 //! A path tracer comes along. It is an [`Integrand`](batch::Integrand) like any other:
@@ -66,6 +67,7 @@ pub mod homography;
 pub mod kernel;
 pub mod math;
 pub mod photon;
+pub mod predict;
 pub mod sampler;
 pub mod scene;
 pub mod shade;

@@ -37,6 +37,8 @@
 use crate::allocate::{Known, Mixture, allocate_known};
 use crate::estimate::{self, Estimator, Lanes, Weight};
 use crate::film::{FLOATS, Layout, Planes, WORDS};
+use crate::kernel::UNKNOWN;
+use crate::predict::{Belief, Prior};
 use crate::sobol::{frame_key, hash};
 
 mod job;
@@ -124,6 +126,24 @@ impl<'a> Sampler<'a> {
     /// # Errors
     /// If an iteration is running already, or `samples` is 0 or above 2^32 − 1.
     pub fn begin(&mut self, samples: u64) -> Result<(), Error> {
+        self.begin_predicted(samples, Prior::Beliefs(&[]))
+    }
+
+    /// Begins an iteration as [`begin`](Self::begin) does, with what earlier frames tell.
+    ///
+    /// The first iteration is uniform all the same: one sample a pixel is enough, and no pixel is ever left without.
+    /// `prior` must not stem from this frame's samples, or the picture is biased.
+    ///
+    /// # Errors
+    /// As `begin`, and [`Error::Prior`] if `prior` has not one entry a pixel or none.
+    pub fn begin_predicted(&mut self, samples: u64, prior: Prior<'_>) -> Result<(), Error> {
+        let given = match prior {
+            Prior::Beliefs(beliefs) => beliefs.len(),
+            Prior::Alpha(alpha) => alpha.len(),
+        };
+        if given != 0 && given != self.layout.pixels() {
+            return Err(Error::Prior);
+        }
         if self.running {
             return Err(Error::Begun);
         }
@@ -136,14 +156,40 @@ impl<'a> Sampler<'a> {
             floor: self.settings.floor,
             epsilon: if adaptive { self.settings.epsilon } else { 1.0 },
         };
-        let known = if adaptive {
-            self.settings.kernel().adapt(&self.layout, &mut self.planes)
-        } else {
-            Known::default()
-        };
+        let known = if adaptive { self.adapt(prior) } else { Known::default() };
         let offset = hash(frame_key(!self.settings.seed, self.settings.frame) ^ self.iteration);
         allocate_known(self.planes.target, self.planes.planned, self.mixture, offset, &known)?;
         self.running = true;
+        Ok(())
+    }
+
+    /// Writes the weights of the kernel into the plane `target` and returns their sum.
+    fn adapt(&mut self, prior: Prior<'_>) -> Known {
+        let planes = &mut self.planes;
+        let alpha = match prior {
+            Prior::Beliefs(beliefs) => return self.settings.kernel().adapt(&self.layout, planes, beliefs),
+            Prior::Alpha([]) => return self.settings.kernel().adapt(&self.layout, planes, &[]),
+            Prior::Alpha(alpha) => alpha,
+        };
+        self.layout.for_each_run(|run, raster| {
+            for (target, alpha) in planes.target[run].iter_mut().zip(&alpha[raster..]) {
+                *target = if alpha.is_finite() && *alpha >= 0.0 { *alpha } else { UNKNOWN };
+            }
+        });
+        let mut known = Known::default();
+        known.add(planes.target);
+        known
+    }
+
+    /// Writes what the frame has seen of every pixel, by the kernel's window, row by row.
+    ///
+    /// # Errors
+    /// If `out` is not as long as the picture has pixels.
+    pub fn beliefs(&self, out: &mut [Belief]) -> Result<(), Error> {
+        if out.len() != self.layout.pixels() {
+            return Err(Error::Output);
+        }
+        self.settings.kernel().observe(&self.layout, &self.planes, out);
         Ok(())
     }
 

@@ -7,6 +7,7 @@ use indicatif::ProgressBar;
 use pmcip::compare::reference::fingerprint;
 use pmcip::frame_io;
 use pmcip::output;
+use pmcip::predict::Predictor;
 use pmcip::render;
 use pmcip::scene::{Animation, LoadedScene};
 use pmcip::sequence::{self, Range, State};
@@ -60,6 +61,8 @@ struct Sequence<'a> {
     frames: RangeInclusive<u32>,
     /// Samples a pixel that the frame before took, if frames can end early.
     spent_spp: Option<u32>,
+    /// What the frames before have told.
+    predictor: Predictor,
     total: Total,
 }
 
@@ -68,8 +71,15 @@ pub fn render_frames(arguments: &Render, range: Range) -> Result<(), Failure> {
     let animation = load(&arguments.common)?;
     let frames = range.within(animation.frames().map(|f| (f.first, f.last))).map_err(bad)?;
     let name = output_name(arguments, animation.scene());
-    let mut sequence =
-        Sequence { arguments, animation, name, frames, spent_spp: None, total: Total::default() };
+    let mut sequence = Sequence {
+        arguments,
+        animation,
+        name,
+        frames,
+        spent_spp: None,
+        predictor: Predictor::default(),
+        total: Total::default(),
+    };
     let kept = sequence.find_kept()?;
     sequence.prepare()?;
     let settings = render_settings(sequence.animation.scene(), arguments)?;
@@ -101,6 +111,7 @@ impl Sequence<'_> {
         let scene = self.animation.scene();
         let mut settings = render_settings(scene, self.arguments)?;
         settings.sampler.frame = frame;
+        settings.startup = self.arguments.startup;
         if let Some(target) = &mut settings.target {
             target.expected_spp = self.spent_spp;
         }
@@ -140,8 +151,10 @@ impl Sequence<'_> {
         look(self.animation.scene(), &settings, &self.arguments.common)
     }
 
-    /// Passes over a frame that is complete; its PNG follows the exposure asked for now.
+    /// Passes over a frame that is complete; its PNG follows the exposure asked for now. What its samples were like is
+    /// not on disk: the next frame starts uniformly.
     fn keep(&mut self, frame: u32) -> Result<(), Failure> {
+        self.predictor.forget();
         let files = self.files(frame);
         let picture = frame_io::read_exr(&files[0]).map_err(failed)?;
         frame_io::write_png(&files[1], &picture, self.arguments.exposure).map_err(failed)?;
@@ -157,7 +170,9 @@ impl Sequence<'_> {
         let scene = self.animation.scene();
         scene.require_light().map_err(bad)?;
         let threads = self.arguments.common.threads;
-        let done = render::render(scene, &settings, threads, &|samples| bar.inc(samples)).map_err(blame)?;
+        let progress = |samples| bar.inc(samples);
+        let done = render::render_next(scene, &settings, threads, &progress, &mut self.predictor);
+        let done = done.map_err(blame)?;
         let mut picture = done.picture(&settings, scene);
         picture.attributes.extend(attributes);
         let files = self.files(frame);

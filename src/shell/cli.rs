@@ -6,7 +6,7 @@ use pmcip::compare::Variant;
 use pmcip::sequence;
 use pmcip::settings::{
     DEFAULT_LIGHT_SAMPLES, DEFAULT_PHOTONS, Estimate, Integrator, MAX_DEPTH, MAX_LIGHT_SAMPLES, MAX_PHOTONS,
-    Method,
+    Method, Startup,
 };
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -70,6 +70,9 @@ pub struct Render {
     /// of the same scene, are kept: an interrupted run goes on where it stopped. Frames made otherwise are an error.
     #[arg(long, value_name = "A..B", verbatim_doc_comment)]
     pub frames: Option<sequence::Range>,
+    /// What a frame starts from that follows another one
+    #[arg(long, value_enum, value_name = "START", default_value = "motion", requires = "frames")]
+    pub startup: Startup,
     /// Overwrite frames that were made with other settings
     #[arg(long, requires = "frames")]
     pub overwrite: bool,
@@ -168,6 +171,9 @@ pub struct Compare {
     /// Frames of an animation, first and last included: adds flicker and curves over frames
     #[arg(long, value_name = "A..B")]
     pub frames: Option<sequence::Range>,
+    /// What a frame starts from that follows another one, where the method does not say
+    #[arg(long, value_enum, value_name = "START", default_value = "motion", requires = "frames")]
+    pub startup: Startup,
     /// Image to judge by [default: rendered, and kept in the folder]; of frames the name without number
     #[arg(long, value_name = "REF.exr", conflicts_with = "reference_spp")]
     pub reference: Option<PathBuf>,

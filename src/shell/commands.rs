@@ -190,7 +190,7 @@ fn compare_sequence(
     let integrator = arguments.common.integrator().map_err(bad)?;
     let base = |scene: &LoadedScene| {
         let settings = path_settings(scene, &arguments.common, Method::Uniform, None);
-        Settings { integrator, ..settings }
+        Settings { integrator, startup: arguments.startup, ..settings }
     };
     let own = arguments.output.join(reference::FILE);
     let references = arguments.reference.clone().unwrap_or(own);

@@ -7,6 +7,7 @@
 use crate::error::Error;
 use crate::frame_io::Picture;
 use crate::photons::{Order, Photons, Shot};
+use crate::predict::Predictor;
 use crate::scene::LoadedScene;
 use crate::settings::{Integrator, Settings};
 use crate::stop::{self, Judge};
@@ -108,14 +109,29 @@ pub fn render(
     threads: Option<usize>,
     progress: &(dyn Fn(u64) + Sync),
 ) -> Result<Frame, Error> {
+    render_next(scene, settings, threads, progress, &mut Predictor::default())
+}
+
+/// Renders a frame as [`render`] does, from what `predictor` has learnt of the frames before, and lets it learn from
+/// this one.
+///
+/// # Errors
+/// As [`render`]. The predictor then knows nothing of this frame.
+pub fn render_next(
+    scene: &LoadedScene,
+    settings: &Settings,
+    threads: Option<usize>,
+    progress: &(dyn Fn(u64) + Sync),
+    predictor: &mut Predictor,
+) -> Result<Frame, Error> {
     let Some(target) = settings.target else {
-        return render_while(scene, settings, threads, progress, &mut |_| Ok(true));
+        return render_while(scene, settings, threads, progress, predictor, &mut |_| Ok(true));
     };
     let core = &settings.sampler;
     let mut judge = Judge::new(core.width, core.height, core.cd_per_unit)?;
     let mut estimated = None;
     let least = stop::LEAST_SPP * settings.pixels();
-    let frame = render_while(scene, settings, threads, progress, &mut |film| {
+    let frame = render_while(scene, settings, threads, progress, predictor, &mut |film| {
         estimated = judge.look(film)?;
         let good = estimated.is_some_and(|err| err < f64::from(target.err));
         Ok(!(good && film.samples() >= least))
@@ -123,7 +139,7 @@ pub fn render(
     Ok(Frame { estimated_err: estimated, ..frame })
 }
 
-/// Renders a frame as [`render`] does, until `go_on`, which is shown the film after every iteration, says no.
+/// Renders a frame as [`render_next`] does, until `go_on`, which is shown the film after every iteration, says no.
 ///
 /// Iterations end at the same samples for any number of threads, so that a decision from the film alone keeps the
 /// frame's bits the same.
@@ -135,6 +151,7 @@ pub fn render_while(
     settings: &Settings,
     threads: Option<usize>,
     progress: &(dyn Fn(u64) + Sync),
+    predictor: &mut Predictor,
     go_on: &mut dyn FnMut(&Sampler<'_>) -> Result<bool, Error>,
 ) -> Result<Frame, Error> {
     let start = Instant::now();
@@ -148,14 +165,20 @@ pub fn render_while(
     let memory = Memory { floats: &mut floats, words: &mut words };
     let mut sampler = Sampler::new(settings.sampler, memory).map_err(setting)?;
     let mut tally = Tally::default();
-    for samples in settings.schedule() {
-        sampler.begin(samples).map_err(setting)?;
+    predictor.begin(scene, settings)?;
+    let predicted = predictor.predicts().then(|| settings.predicted_schedule());
+    let plain = predicted.is_none().then(|| settings.schedule());
+    for samples in predicted.into_iter().flatten().chain(plain.into_iter().flatten()) {
+        let prior = predictor.prior(sampler.iterations());
+        sampler.begin_predicted(samples, prior).map_err(setting)?;
         crew.work(sampler.jobs(), progress);
         tally = sampler.end().map_err(|error| Error::Work(error.to_string()))?;
+        predictor.see(&sampler, settings)?;
         if !go_on(&sampler)? {
             break;
         }
     }
+    predictor.end(&sampler)?;
     let mut frame = read_out(&sampler, settings)?;
     (frame.tally, frame.lane_occupancy) = (tally, crew.lane_occupancy());
     frame.photons = photons.as_ref().map(Photons::shot);

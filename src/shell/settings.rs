@@ -102,6 +102,18 @@ pub enum Method {
     Paper,
 }
 
+/// What a frame of an animation starts from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Startup {
+    /// From nothing: uniform samples
+    #[default]
+    Uniform,
+    /// From earlier frames, carried along by homographies that are found in the pictures alone
+    Homography,
+    /// From earlier frames, carried along by the depth and the motion of what is seen
+    Motion,
+}
+
 /// How samples become pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Estimate {
@@ -174,6 +186,8 @@ pub struct Settings {
     pub max_depth: u32,
     /// The camera.
     pub view: View,
+    /// What a frame starts from that follows another one.
+    pub startup: Startup,
     /// When to end before all samples are spent.
     pub target: Option<Target>,
 }
@@ -191,6 +205,7 @@ impl Settings {
             integrator: Integrator::Path,
             max_depth: scene.max_depth.unwrap_or(DEFAULT_DEPTH),
             view: scene.view,
+            startup: Startup::Uniform,
             target: None,
         }
     }
@@ -216,8 +231,21 @@ impl Settings {
 
     /// Samples of each iteration, at most.
     pub fn schedule(&self) -> impl Iterator<Item = u64> {
+        self.schedule_after(self.pilot(), self.iterations)
+    }
+
+    /// The same for a frame that starts from a prediction: the first iteration is one sample a pixel, and there is one
+    /// iteration more.
+    pub fn predicted_schedule(&self) -> impl Iterator<Item = u64> {
+        match self.method {
+            Method::Pmc => self.schedule_after(1, self.iterations.saturating_add(1)),
+            _ => self.schedule_after(self.pilot(), self.iterations),
+        }
+    }
+
+    fn schedule_after(&self, pilot: u32, iterations: u32) -> impl Iterator<Item = u64> + use<> {
         let growth = self.target.map(|target| Growth::new(self.pixels(), self.spp, target.expected_spp));
-        let fixed = || Schedule::new(self.pixels(), self.spp, self.pilot(), self.iterations);
+        let fixed = || Schedule::new(self.pixels(), self.spp, pilot, iterations);
         let fixed = growth.is_none().then(fixed);
         growth.into_iter().flatten().chain(fixed.into_iter().flatten())
     }
@@ -255,6 +283,9 @@ impl Settings {
         });
         let mut list = object(list);
         list.extend(self.integrator.list());
+        if self.startup != Startup::Uniform {
+            list.insert("startup".into(), word(self.startup).into());
+        }
         if let Some(target) = self.target {
             list.remove("iterations");
             list.remove("pilot_spp");
@@ -297,6 +328,7 @@ mod tests {
             integrator: Integrator::Path,
             max_depth: 8,
             view,
+            startup: Startup::Uniform,
             target: None,
         }
     }

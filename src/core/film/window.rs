@@ -28,6 +28,16 @@ pub enum Window {
     Square3,
 }
 
+impl Window {
+    /// How many times it counts a degree of freedom, if all its pixels have equally many: Σw²/Σw.
+    pub(crate) fn weight(self) -> f32 {
+        match self {
+            Window::Pixel => 1.0,
+            Window::Square3 => 2.25,
+        }
+    }
+}
+
 /// Blocks of `N` quantities, filled tile after tile.
 pub(crate) struct Blocks<const N: usize>([Block; N]);
 

@@ -58,7 +58,7 @@ fn weights_equal_the_scalar_twin() {
             (Window::Square3, 0.0, Criterion::Sample),
         ] {
             let kernel = Kernel { criterion, gamma, window, cd_per_unit: 20.0 };
-            kernel.adapt(&layout, &mut planes);
+            kernel.adapt(&layout, &mut planes, &[]);
             let pixels: Vec<_> = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).collect();
             for (x, y) in pixels {
                 let (got, want) =

@@ -161,6 +161,8 @@ pub enum Error {
     Estimator,
     /// Scratch is shorter than [`Sampler::resolve_scratch`](super::Sampler::resolve_scratch) says.
     Scratch,
+    /// A prediction has not the length of the picture.
+    Prior,
     /// An output has not the length of the picture.
     Output,
 }
@@ -184,6 +186,7 @@ impl core::fmt::Display for Error {
             Error::Unfinished => "render every job of the iteration exactly once before its end",
             Error::Estimator => "the film accumulates for another estimator: set Settings::estimator",
             Error::Scratch => "scratch is too short: lend as much as Sampler::resolve_scratch says",
+            Error::Prior => "a prediction must have one entry a pixel",
             Error::Output => "an output must have one entry a pixel, three for RGB",
         };
         f.write_str(text)

@@ -34,6 +34,7 @@ pub use variant::Variant;
 use crate::error::Error;
 use crate::frame_io::Picture;
 use crate::metrics::{self, Errors};
+use crate::predict::Predictor;
 use crate::render::{self, Frame};
 use crate::settings::{Method, Settings, word};
 use serde::Serialize;
@@ -186,6 +187,8 @@ struct Cell<'a> {
     runs: Vec<Vec<Outcome>>,
     /// Errors of the frame before.
     before: Option<Errors>,
+    /// What the frames before have told.
+    predictor: Predictor,
 }
 
 /// Renders everything in `plan` and measures it; `progress` hears of samples just drawn.
@@ -245,13 +248,15 @@ fn begin_run(cells: &mut [Cell], plan: &Plan, reference: &Picture, run: u32) -> 
         cell.seeds.push(seed);
         cell.runs.push(Vec::new());
         cell.before = None;
+        cell.predictor.forget();
     }
     Ok(())
 }
 
 impl<'a> Cell<'a> {
     fn new(plan: &Plan, variant: &'a Variant, spp: u32) -> Cell<'a> {
-        Cell { variant, spp, settings: plan.base, seeds: vec![], runs: vec![], before: None }
+        let predictor = Predictor::default();
+        Cell { variant, spp, settings: plan.base, seeds: vec![], runs: vec![], before: None, predictor }
     }
 
     /// Renders and measures one frame of the run that was begun last.
@@ -266,7 +271,8 @@ impl<'a> Cell<'a> {
         self.settings = self.variant.settings(scene, &shot.base, self.spp);
         self.settings.sampler.seed = self.seeds.last().copied().unwrap_or_default();
         self.settings.sampler.frame = shot.base.sampler.frame;
-        let done = render::render(scene, &self.settings, plan.threads, progress)?;
+        let predictor = &mut self.predictor;
+        let done = render::render_next(scene, &self.settings, plan.threads, progress, predictor)?;
         let (picture, cd) = (done.picture(&self.settings, scene), f64::from(scene.cd_per_unit));
         let metrics = metrics::measure(&picture, shot.reference, cd)?;
         let errors = Errors::new(&picture, shot.reference)?;

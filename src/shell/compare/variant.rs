@@ -1,12 +1,12 @@
 //! Methods by name: a sampler, and what is changed about it.
 
 use crate::scene::LoadedScene;
-use crate::settings::{Estimate, Method, Settings};
+use crate::settings::{Estimate, Method, Settings, Startup};
 use clap::ValueEnum;
 use std::fmt::{self, Display, Formatter};
 use std::str::FromStr;
 
-/// A sampler with its defaults, or with another estimator or γ.
+/// A sampler with its defaults, or with another estimator, γ or start of frames that follow others.
 ///
 /// ```
 /// use pmcip::compare::Variant;
@@ -21,12 +21,13 @@ pub struct Variant {
     method: Method,
     gamma: Option<f32>,
     estimate: Option<Estimate>,
+    startup: Option<Startup>,
 }
 
 impl From<Method> for Variant {
     /// The method with its defaults.
     fn from(method: Method) -> Variant {
-        Variant { method, gamma: None, estimate: None }
+        Variant { method, gamma: None, estimate: None, startup: None }
     }
 }
 
@@ -38,6 +39,7 @@ impl Variant {
         (settings.max_depth, settings.view) = (base.max_depth, base.view);
         settings.integrator = base.integrator;
         settings.sampler.seed = base.sampler.seed;
+        settings.startup = self.startup.unwrap_or(base.startup);
         settings.sampler.gamma = self.gamma.unwrap_or(settings.sampler.gamma);
         if let Some(estimate) = self.estimate {
             settings.set_estimator(estimate.into());
@@ -55,8 +57,13 @@ impl Variant {
             }
             return set(&mut self.gamma, gamma, "gamma");
         }
+        if let Some(name) = option.strip_prefix("startup=") {
+            let startup = Startup::from_str(name, false);
+            let startup = startup.map_err(|_| format!("startup is one of {}", names::<Startup>()))?;
+            return set(&mut self.startup, startup, "startup");
+        }
         let estimate = Estimate::from_str(option, false).map_err(|_| {
-            format!("'{option}' is no option: expected gamma=G or one of {}", names::<Estimate>())
+            format!("'{option}' is no option: expected gamma=G, startup=S or one of {}", names::<Estimate>())
         })?;
         set(&mut self.estimate, estimate, "estimator")
     }
@@ -98,7 +105,9 @@ impl Display for Variant {
         let gamma = self.gamma.map(|gamma| format!("gamma={gamma}"));
         let estimate = self.estimate.and_then(|estimate| estimate.to_possible_value());
         let estimate = estimate.map(|value| value.get_name().to_owned());
-        let options: Vec<String> = gamma.into_iter().chain(estimate).collect();
+        let startup = self.startup.and_then(|startup| startup.to_possible_value());
+        let startup = startup.map(|value| format!("startup={}", value.get_name()));
+        let options: Vec<String> = gamma.into_iter().chain(estimate).chain(startup).collect();
         let colon = if options.is_empty() { "" } else { ":" };
         write!(f, "{}{colon}{}", self.method, options.join("+"))
     }
@@ -110,7 +119,15 @@ mod tests {
 
     #[test]
     fn names_are_read_as_they_are_written() {
-        for name in ["uniform", "paper", "pmc", "pmc:pooled", "paper:gamma=0.5", "pmc:gamma=1+difference"] {
+        for name in [
+            "uniform",
+            "paper",
+            "pmc",
+            "pmc:pooled",
+            "paper:gamma=0.5",
+            "pmc:gamma=1+difference",
+            "pmc:startup=motion",
+        ] {
             assert_eq!(name.parse::<Variant>().unwrap().to_string(), name);
         }
         let swapped: Variant = "pmc:pooled+gamma=1".parse().unwrap();
@@ -124,6 +141,7 @@ mod tests {
             ("pmc:", "'' is no option"),
             ("pmc:best", "balanced, pooled, subframe, difference"),
             ("pmc:gamma=NaN", "0 to 4"),
+            ("pmc:startup=best", "uniform, "),
             ("pmc:gamma=1+gamma=2", "more than one gamma"),
             ("pmc:pooled+balanced", "more than one estimator"),
             ("uniform:gamma=1", "no gamma"),
