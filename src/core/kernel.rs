@@ -152,11 +152,15 @@ impl Kernel {
         let weight = f32x8::splat(self.window.weight());
         let lacking = (f32x8::splat(ENOUGH) * weight - seen.freedom).fast_max(f32x8::ZERO);
         let lacking = lacking.fast_min(lanes(&|belief| belief.freedom) * weight);
+        let (light, known) = (seen.light + lacking * lanes(&|belief| belief.light), seen.known + lacking);
+        // What was bright has its noise from there: beside an edge, in the dark of now, it would look enormous.
+        let bright = lanes(&|belief| belief.light) * known;
+        let light = lacking.simd_gt(f32x8::ZERO).bitselect(light.fast_max(bright), light);
         Eight {
             m2: seen.m2 + lacking * lanes(&|belief| belief.variance),
             freedom: seen.freedom + lacking,
-            light: seen.light + lacking * lanes(&|belief| belief.light),
-            known: seen.known + lacking,
+            light,
+            known,
             spent: seen.spent,
         }
     }
