@@ -14,7 +14,6 @@ use pmcip_core::kernel::{Criterion, Kernel};
 use pmcip_core::predict::Belief;
 use pmcip_core::sampler::Sampler;
 use std::path::Path;
-use std::time::Instant;
 
 /// A sequence of one seed.
 struct Run {
