@@ -231,7 +231,8 @@ impl Filter {
             known += beliefs.iter().filter(|belief| belief.usable().is_some()).count();
             let variance = lanes(&|k| usable(k).map_or(0.0, |(_, seen)| seen.variance));
             let expected = lanes(&|k| usable(k).map_or(0.0, |(belief, _)| belief.variance));
-            let light = lanes(&|k| usable(k).map_or(0.0, |(_, seen)| seen.light * self.cd_per_unit));
+            let brighter = |(belief, seen): (Belief, Belief)| belief.light.max(seen.light);
+            let light = lanes(&|k| usable(k).map_or(0.0, brighter)) * f32x8::splat(self.cd_per_unit);
             let acuity = f32x8::ONE / tvi(light);
             let sum = |x: f32x8| (x * acuity).to_array().iter().map(|x| f64::from(*x)).sum::<f64>();
             miss += sum((variance - expected).abs());

@@ -245,10 +245,8 @@ fn boxes(labels: &[u32], width: usize) -> [Bounds; MAX_REGIONS] {
     for (i, label) in labels.iter().enumerate() {
         if let Some(bounds) = boxes.get_mut(*label as usize) {
             let pixel = [(i % width) as f64, (i / width) as f64];
-            for axis in 0..2 {
-                bounds.low[axis] = bounds.low[axis].min(pixel[axis]);
-                bounds.high[axis] = bounds.high[axis].max(pixel[axis] + 1.0);
-            }
+            bounds.low = [0, 1].map(|axis| bounds.low[axis].min(pixel[axis]));
+            bounds.high = [0, 1].map(|axis| bounds.high[axis].max(pixel[axis] + 1.0));
         }
     }
     boxes
