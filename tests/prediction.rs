@@ -37,7 +37,7 @@ fn sequence(method: Method, startup: Startup, frames: u32, seed: u32, threads: u
         settings.sampler.frame = frame;
         settings.view.from[0] = scene.view.from[0] + 4.0 * frame as f32;
         let done = next(&scene, &settings, threads, &mut predictor);
-        (done, predictor.prediction().is_some())
+        (done, predictor.predicted())
     };
     (0..frames).map(frame).collect()
 }
@@ -99,16 +99,16 @@ fn a_cut_starts_uniformly() {
     let mut settings = settings(animation.scene(), Method::Pmc, Startup::Motion, 4);
     let mut predictor = Predictor::default();
     (0..3).for_each(|_| drop(next(animation.scene(), &settings, 1, &mut predictor)));
-    assert!(predictor.prediction().is_some());
+    assert!(predictor.predicted());
     // From the open side to a view back out of it.
     settings.view.at = [278.0, 273.0, -2000.0];
     next(animation.scene(), &settings, 1, &mut predictor);
-    assert!(predictor.prediction().is_none());
+    assert!(!predictor.predicted());
     next(animation.scene(), &settings, 1, &mut predictor);
     // Another size is another film.
     settings.sampler.width = SIDE / 2;
     next(animation.scene(), &settings, 1, &mut predictor);
-    assert!(predictor.prediction().is_none());
+    assert!(!predictor.predicted());
 }
 
 #[test]

@@ -63,7 +63,8 @@ struct Last {
     alpha: Vec<f32>,
     /// Display-coded luminance, if pictures are searched.
     picture: Vec<f32>,
-    prediction: Option<Prediction>,
+    prediction: Prediction,
+    trusted: bool,
     outlook: Outlook,
 }
 
@@ -87,9 +88,15 @@ impl Predictor {
         self.next.as_ref().is_some_and(|next| next.trusted)
     }
 
-    /// What was predicted for the last frame, if it did start from a prediction.
+    /// What was predicted for the last frame, used or not; none for a first frame.
     pub fn prediction(&self) -> Option<&Prediction> {
-        self.last.as_ref().and_then(|last| last.prediction.as_ref())
+        let prediction = self.last.as_ref().map(|last| &last.prediction);
+        prediction.filter(|prediction| !prediction.beliefs.is_empty())
+    }
+
+    /// Whether the last frame started from what was predicted.
+    pub fn predicted(&self) -> bool {
+        self.last.as_ref().is_some_and(|last| last.trusted)
     }
 
     /// How well the last frame was predicted.
@@ -196,8 +203,7 @@ impl Predictor {
         let outlook = Filter::new(core.cd_per_unit).update(width, &mut beliefs, &seen).map_err(work)?;
         let pictures = matches!(view, View::Pictures);
         let picture = if pictures { pictures::coded(film)? } else { Vec::new() };
-        let prediction = trusted.then_some(prediction);
-        self.last = Some(Last { width, height, view, beliefs, alpha, picture, prediction, outlook });
+        self.last = Some(Last { width, height, view, beliefs, alpha, picture, prediction, trusted, outlook });
         self.seconds += start.elapsed().as_secs_f64();
         Ok(())
     }
