@@ -24,6 +24,8 @@ const ROOT: Entry = Entry { near: f32x8::ZERO, nearest: 0.0, first: 0, count: 0 
 pub struct Tracer<'a> {
     scene: Scene<'a>,
     stack: [Entry; STACK],
+    /// The walk's stack for shadow rays: nodes, and the rays that meet them, as bits.
+    shadow_stack: [(u32, u32); STACK],
     single: single::Stack,
 }
 
@@ -39,7 +41,7 @@ const FEW: u32 = 4;
 impl<'a> Tracer<'a> {
     /// A tracer for `scene`.
     pub fn new(scene: Scene<'a>) -> Self {
-        Tracer { scene, stack: [ROOT; STACK], single: single::EMPTY }
+        Tracer { scene, stack: [ROOT; STACK], shadow_stack: [(0, 0); STACK], single: single::EMPTY }
     }
 
     /// The scene that is traced.
@@ -146,29 +148,21 @@ impl<'a> Tracer<'a> {
     }
 
     fn find_any(&mut self, rays: &Prepared, slabs: impl Slabs, mut t_max: f32x8, active: u32) -> u32 {
-        let data = self.scene.data();
-        let mut stack = [(0u32, active); STACK];
+        self.shadow_stack[0] = (0, active);
         let mut top = 1;
         let mut blocked = 0;
         while top > 0 {
             top -= 1;
-            let (index, met) = stack[top];
-            let mut left = met & !blocked;
+            let (index, met) = self.shadow_stack[top];
+            let left = met & !blocked;
             if left.count_ones() <= FEW {
-                while left != 0 {
-                    let lane = left.trailing_zeros() as usize & 7;
-                    left &= left - 1;
-                    let t = t_max.as_array()[lane];
-                    if single::find_any(&self.scene, &mut self.single, rays, lane, index, t) {
-                        blocked |= 1 << lane;
-                        t_max.as_mut_array()[lane] = -1.0;
-                    }
-                }
+                blocked |= self.find_any_each(rays, left, index, &mut t_max);
                 if blocked == active {
                     return blocked;
                 }
                 continue;
             }
+            let data = self.scene.data();
             let node = &data.nodes[index as usize];
             for child in 0..8 {
                 if !node.is_used(child) {
@@ -180,7 +174,7 @@ impl<'a> Tracer<'a> {
                 }
                 let (first, count) = (node.child[child], node.count[child] as usize);
                 if count == 0 {
-                    stack[top] = (first, met);
+                    self.shadow_stack[top] = (first, met);
                     top += 1;
                     continue;
                 }
@@ -193,6 +187,21 @@ impl<'a> Tracer<'a> {
                 if blocked == active {
                     return blocked;
                 }
+            }
+        }
+        blocked
+    }
+
+    /// The rays among `lanes` for which the subtree below `node` is in the way; their `t_max` becomes negative.
+    fn find_any_each(&mut self, rays: &Prepared, mut lanes: u32, node: u32, t_max: &mut f32x8) -> u32 {
+        let mut blocked = 0;
+        while lanes != 0 {
+            let lane = lanes.trailing_zeros() as usize & 7;
+            lanes &= lanes - 1;
+            let t = &mut t_max.as_mut_array()[lane];
+            if single::find_any(&self.scene, &mut self.single, rays, lane, node, *t) {
+                blocked |= 1 << lane;
+                *t = -1.0;
             }
         }
         blocked
