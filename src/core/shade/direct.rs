@@ -14,7 +14,9 @@
 
 use super::hit::SurfacePoints;
 use super::light::are_few;
-use super::path::{Frame, PathTracer, SETS, Traffic, aim, lights, scatter, scatter_specular};
+use super::path::{
+    self, Frame, PathTracer, SETS, Traffic, Wavefront, aim, lights, scatter, scatter_specular,
+};
 use super::queue::{Open, Packet, Paths};
 use super::rough::Rough;
 use crate::batch::{Batch8, Integrand, Rgb8};
@@ -61,27 +63,6 @@ impl<'a> DirectLighting<'a> {
     /// What has been traced so far.
     pub fn traffic(&self) -> Traffic {
         self.paths.traffic()
-    }
-
-    /// Takes one packet through one segment of its chain.
-    fn advance(&mut self, paths: &Paths, depth: u32, radiance: &mut [Rgb8]) {
-        let Some(surface) = arrive(&mut self.paths, paths, radiance) else { return };
-        if depth >= self.paths.max_depth {
-            return;
-        }
-        let rough = surface.scatters(Scattering::Rough);
-        if rough.any() && !self.paths.tracer.scene().data().lights.is_empty() {
-            self.light(paths, &surface, rough, depth, radiance);
-        }
-        let specular = surface.hit & !rough;
-        if specular.any() {
-            let mut next = *paths;
-            let (choice, _) = sobol::point(paths.index, paths.key, SETS * depth);
-            scatter_specular(&mut next, &surface, choice);
-            let alive = specular & next.throughput.max_component().simd_gt(f32x8::ZERO);
-            next.origin = surface.leave(next.direction);
-            self.paths.queue.push(&next, alive.to_bitmask());
-        }
     }
 
     /// Samples the light that arrives in the lanes of `rough`, in both ways.
@@ -153,35 +134,44 @@ pub(super) fn arrive(
     Some(surface)
 }
 
+impl<'a> Wavefront<'a> for DirectLighting<'a> {
+    fn paths(&mut self) -> &mut PathTracer<'a> {
+        &mut self.paths
+    }
+
+    /// Takes one packet through one segment of its chain.
+    fn bounce(&mut self, paths: &Paths, depth: u32, radiance: &mut [Rgb8]) {
+        let Some(surface) = arrive(&mut self.paths, paths, radiance) else { return };
+        if depth >= self.paths.max_depth {
+            return;
+        }
+        let rough = surface.scatters(Scattering::Rough);
+        if rough.any() && !self.paths.tracer.scene().data().lights.is_empty() {
+            self.light(paths, &surface, rough, depth, radiance);
+        }
+        let specular = surface.hit & !rough;
+        if specular.any() {
+            let mut next = *paths;
+            let (choice, _) = sobol::point(paths.index, paths.key, SETS * depth);
+            scatter_specular(&mut next, &surface, choice);
+            let alive = specular & next.throughput.max_component().simd_gt(f32x8::ZERO);
+            next.origin = surface.leave(next.direction);
+            self.paths.queue.push(&next, alive.to_bitmask());
+        }
+    }
+
+    fn finish(&mut self, radiance: &mut [Rgb8]) {
+        let DirectLighting { paths, stray, .. } = self;
+        stray.drain(|packet| _ = arrive(paths, &packet.unpack(), radiance));
+    }
+}
+
 impl Integrand for DirectLighting<'_> {
     fn radiance(&mut self, batch: &Batch8) -> Rgb8 {
-        let mut out = [Rgb8::default()];
-        self.stream(core::slice::from_ref(batch), &mut out);
-        out[0]
+        path::radiance(self, batch)
     }
 
     fn stream(&mut self, batches: &[Batch8], radiance: &mut [Rgb8]) {
-        let capacity = self.paths.queue.capacity();
-        if capacity == 0 {
-            let nan = f32x8::splat(f32::NAN);
-            radiance.fill(Rgb8 { r: nan, g: nan, b: nan });
-            return;
-        }
-        for (batches, radiance) in batches.chunks(capacity).zip(radiance.chunks_mut(capacity)) {
-            radiance.fill(Rgb8::default());
-            self.paths.start(batches);
-            for depth in 1..=self.paths.max_depth {
-                for i in 0..self.paths.queue.len() {
-                    let paths = self.paths.queue.packet(i);
-                    self.advance(&paths, depth, radiance);
-                }
-                self.paths.queue.turn();
-            }
-            let DirectLighting { paths, stray, .. } = self;
-            stray.drain(|packet| _ = arrive(paths, &packet.unpack(), radiance));
-            if paths.shadows.lanes() > 0 {
-                paths.trace_shadows(radiance);
-            }
-        }
+        path::stream(self, batches, radiance);
     }
 }

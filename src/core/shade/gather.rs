@@ -25,7 +25,9 @@
 
 use super::direct::arrive;
 use super::hit::SurfacePoints;
-use super::path::{Frame, PathTracer, ROULETTE_DEPTH, SETS, Traffic, scatter_specular, survivors};
+use super::path::{
+    self, Frame, PathTracer, ROULETTE_DEPTH, SETS, Traffic, Wavefront, scatter_specular, survivors,
+};
 use super::queue::{Packet, Paths};
 use super::rough::Rough;
 use super::shadow::accumulate;
@@ -83,37 +85,6 @@ impl<'a> Gather<'a> {
     /// What has been traced so far, without the photons.
     pub fn traffic(&self) -> Traffic {
         self.paths.traffic()
-    }
-
-    /// Takes one packet through one segment.
-    fn bounce(&mut self, paths: &Paths, depth: u32, radiance: &mut [Rgb8]) {
-        let Some(mut surface) = arrive(&mut self.paths, &seeing(paths), radiance) else { return };
-        if depth >= self.paths.max_depth {
-            return;
-        }
-        let mut next = *paths;
-        let mut rough = surface.scatters(Scattering::Rough);
-        let specular = surface.hit & !rough;
-        // The eye's own segments come with infinite density, gather rays do not.
-        let gathering = paths.density.simd_lt(f32x8::splat(f32::INFINITY));
-        let mut known = f32x8::ZERO;
-        if (rough & gathering).any() {
-            known = self.look_up(paths, &mut surface, rough & gathering, radiance);
-            rough &= reflectance(&surface).simd_gt(f32x8::ZERO);
-        }
-        if rough.any() {
-            self.add_caustics(paths, &surface, rough, radiance);
-            self.paths.scatter_rough(&mut next, &surface, rough, depth, radiance);
-            rough &= !known | thin_out(&mut next, paths, rough & known, depth);
-        }
-        if specular.any() {
-            let (choice, _) = sobol::point(paths.index, paths.key, SETS * depth);
-            scatter_specular(&mut next, &surface, choice);
-            next.density = (specular & gathering).select(f32x8::ZERO, next.density);
-        }
-        let alive = survivors(&mut next, rough | specular, depth);
-        next.origin = surface.leave(next.direction);
-        self.paths.queue.push(&next, alive.to_bitmask());
     }
 
     /// Adds the light that `surface` reflects diffusely, where the map knows it, and takes the diffuse part away.
@@ -252,33 +223,49 @@ impl Points {
     }
 }
 
+impl<'a> Wavefront<'a> for Gather<'a> {
+    fn paths(&mut self) -> &mut PathTracer<'a> {
+        &mut self.paths
+    }
+
+    /// Takes one packet through one segment.
+    fn bounce(&mut self, paths: &Paths, depth: u32, radiance: &mut [Rgb8]) {
+        let Some(mut surface) = arrive(&mut self.paths, &seeing(paths), radiance) else { return };
+        if depth >= self.paths.max_depth {
+            return;
+        }
+        let mut next = *paths;
+        let mut rough = surface.scatters(Scattering::Rough);
+        let specular = surface.hit & !rough;
+        // The eye's own segments come with infinite density, gather rays do not.
+        let gathering = paths.density.simd_lt(f32x8::splat(f32::INFINITY));
+        let mut known = f32x8::ZERO;
+        if (rough & gathering).any() {
+            known = self.look_up(paths, &mut surface, rough & gathering, radiance);
+            rough &= reflectance(&surface).simd_gt(f32x8::ZERO);
+        }
+        if rough.any() {
+            self.add_caustics(paths, &surface, rough, radiance);
+            self.paths.scatter_rough(&mut next, &surface, rough, depth, radiance);
+            rough &= !known | thin_out(&mut next, paths, rough & known, depth);
+        }
+        if specular.any() {
+            let (choice, _) = sobol::point(paths.index, paths.key, SETS * depth);
+            scatter_specular(&mut next, &surface, choice);
+            next.density = (specular & gathering).select(f32x8::ZERO, next.density);
+        }
+        let alive = survivors(&mut next, rough | specular, depth);
+        next.origin = surface.leave(next.direction);
+        self.paths.queue.push(&next, alive.to_bitmask());
+    }
+}
+
 impl Integrand for Gather<'_> {
     fn radiance(&mut self, batch: &Batch8) -> Rgb8 {
-        let mut out = [Rgb8::default()];
-        self.stream(core::slice::from_ref(batch), &mut out);
-        out[0]
+        path::radiance(self, batch)
     }
 
     fn stream(&mut self, batches: &[Batch8], radiance: &mut [Rgb8]) {
-        let capacity = self.paths.queue.capacity();
-        if capacity == 0 {
-            let nan = f32x8::splat(f32::NAN);
-            radiance.fill(Rgb8 { r: nan, g: nan, b: nan });
-            return;
-        }
-        for (batches, radiance) in batches.chunks(capacity).zip(radiance.chunks_mut(capacity)) {
-            radiance.fill(Rgb8::default());
-            self.paths.start(batches);
-            for depth in 1..=self.paths.max_depth {
-                for i in 0..self.paths.queue.len() {
-                    let paths = self.paths.queue.packet(i);
-                    self.bounce(&paths, depth, radiance);
-                }
-                self.paths.queue.turn();
-            }
-            if self.paths.shadows.lanes() > 0 {
-                self.paths.trace_shadows(radiance);
-            }
-        }
+        path::stream(self, batches, radiance);
     }
 }

@@ -108,38 +108,6 @@ impl<'a> PathTracer<'a> {
         }
     }
 
-    /// Takes one packet through one bounce.
-    fn bounce(&mut self, paths: &Paths, depth: u32, radiance: &mut [Rgb8]) {
-        let rays = paths.rays();
-        self.traffic.packets += 1;
-        self.traffic.rays += u64::from(paths.lanes);
-        let hits = self.tracer.closest(&rays);
-        if !hits.any() {
-            return;
-        }
-        let surface = SurfacePoints::at(self.tracer.scene(), &rays, &hits);
-        self.add_emission(paths, &surface, &hits, radiance);
-        if depth >= self.max_depth {
-            return;
-        }
-        let mut next = *paths;
-        let rough = surface.scatters(Scattering::Rough);
-        if rough.any() {
-            self.scatter_rough(&mut next, &surface, rough, depth, radiance);
-        }
-        if (surface.hit & !rough).any() {
-            let (choice, _) = sobol::point(paths.index, paths.key, SETS * depth);
-            scatter_specular(&mut next, &surface, choice);
-        }
-        let alive = survivors(&mut next, surface.hit, depth);
-        next.origin = surface.leave(next.direction);
-        if depth + 1 == self.max_depth && light::are_few(self.tracer.scene().data()) {
-            self.end_on_lights(&next, alive, radiance);
-        } else {
-            self.queue.push(&next, alive.to_bitmask());
-        }
-    }
-
     /// Adds what the surface emits towards the path, weighted against aiming at it.
     pub(super) fn add_emission(
         &self,
@@ -214,34 +182,94 @@ impl<'a> PathTracer<'a> {
     }
 }
 
+/// An integrator that follows paths bounce by bounce, with a path tracer's queue and shadow rays.
+pub(super) trait Wavefront<'a> {
+    /// The path tracer it works with.
+    fn paths(&mut self) -> &mut PathTracer<'a>;
+
+    /// Takes one packet through one bounce.
+    fn bounce(&mut self, paths: &Paths, depth: u32, radiance: &mut [Rgb8]);
+
+    /// Traces what is left when the last bounce is over, but for shadow rays.
+    fn finish(&mut self, _radiance: &mut [Rgb8]) {}
+}
+
+/// The radiance of many samples: as many at once as the queue has room for, NaN if it has none.
+pub(super) fn stream<'a>(integrator: &mut impl Wavefront<'a>, batches: &[Batch8], radiance: &mut [Rgb8]) {
+    let capacity = integrator.paths().queue.capacity();
+    if capacity == 0 {
+        let nan = f32x8::splat(f32::NAN);
+        radiance.fill(Rgb8 { r: nan, g: nan, b: nan });
+        return;
+    }
+    for (batches, radiance) in batches.chunks(capacity).zip(radiance.chunks_mut(capacity)) {
+        radiance.fill(Rgb8::default());
+        integrator.paths().start(batches);
+        for depth in 1..=integrator.paths().max_depth {
+            for i in 0..integrator.paths().queue.len() {
+                let paths = integrator.paths().queue.packet(i);
+                integrator.bounce(&paths, depth, radiance);
+            }
+            integrator.paths().queue.turn();
+        }
+        integrator.finish(radiance);
+        if integrator.paths().shadows.lanes() > 0 {
+            integrator.paths().trace_shadows(radiance);
+        }
+    }
+}
+
+/// The radiance of eight samples, by [`stream`].
+pub(super) fn radiance<'a>(integrator: &mut impl Wavefront<'a>, batch: &Batch8) -> Rgb8 {
+    let mut out = [Rgb8::default()];
+    stream(integrator, core::slice::from_ref(batch), &mut out);
+    out[0]
+}
+
+impl<'a> Wavefront<'a> for PathTracer<'a> {
+    fn paths(&mut self) -> &mut PathTracer<'a> {
+        self
+    }
+
+    fn bounce(&mut self, paths: &Paths, depth: u32, radiance: &mut [Rgb8]) {
+        let rays = paths.rays();
+        self.traffic.packets += 1;
+        self.traffic.rays += u64::from(paths.lanes);
+        let hits = self.tracer.closest(&rays);
+        if !hits.any() {
+            return;
+        }
+        let surface = SurfacePoints::at(self.tracer.scene(), &rays, &hits);
+        self.add_emission(paths, &surface, &hits, radiance);
+        if depth >= self.max_depth {
+            return;
+        }
+        let mut next = *paths;
+        let rough = surface.scatters(Scattering::Rough);
+        if rough.any() {
+            self.scatter_rough(&mut next, &surface, rough, depth, radiance);
+        }
+        if (surface.hit & !rough).any() {
+            let (choice, _) = sobol::point(paths.index, paths.key, SETS * depth);
+            scatter_specular(&mut next, &surface, choice);
+        }
+        let alive = survivors(&mut next, surface.hit, depth);
+        next.origin = surface.leave(next.direction);
+        if depth + 1 == self.max_depth && light::are_few(self.tracer.scene().data()) {
+            self.end_on_lights(&next, alive, radiance);
+        } else {
+            self.queue.push(&next, alive.to_bitmask());
+        }
+    }
+}
+
 impl Integrand for PathTracer<'_> {
     fn radiance(&mut self, batch: &Batch8) -> Rgb8 {
-        let mut out = [Rgb8::default()];
-        self.stream(core::slice::from_ref(batch), &mut out);
-        out[0]
+        radiance(self, batch)
     }
 
     fn stream(&mut self, batches: &[Batch8], radiance: &mut [Rgb8]) {
-        let capacity = self.queue.capacity();
-        if capacity == 0 {
-            let nan = f32x8::splat(f32::NAN);
-            radiance.fill(Rgb8 { r: nan, g: nan, b: nan });
-            return;
-        }
-        for (batches, radiance) in batches.chunks(capacity).zip(radiance.chunks_mut(capacity)) {
-            radiance.fill(Rgb8::default());
-            self.start(batches);
-            for depth in 1..=self.max_depth {
-                for i in 0..self.queue.len() {
-                    let paths = self.queue.packet(i);
-                    self.bounce(&paths, depth, radiance);
-                }
-                self.queue.turn();
-            }
-            if self.shadows.lanes() > 0 {
-                self.trace_shadows(radiance);
-            }
-        }
+        stream(self, batches, radiance);
     }
 }
 
