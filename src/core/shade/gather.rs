@@ -3,7 +3,7 @@
 //! The second pass of photon mapping (Jensen 2001), after [`shoot`](super::shoot). At the first rough surface that
 //! an eye path meets, through mirrors and glass or not, light is put together from
 //!
-//! * lamps, by next-event estimation with multiple importance sampling, as in [`path`](super::path);
+//! * lamps, by next-event estimation with multiple importance sampling, as in [`path`];
 //! * caustics: the density of the nearest photons of the caustic map, each through the scattering function;
 //! * the rest, by one *gather ray* drawn from the scattering function. Where it meets a surface, the irradiance
 //!   that was computed beforehand for the nearest of the points there (Christensen, *Faster Photon Map Global
