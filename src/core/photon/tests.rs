@@ -2,7 +2,9 @@
 
 extern crate std;
 
+use super::tree::{COMPATIBLE, FLATTENED};
 use super::*;
+use crate::vec3;
 use proptest::prelude::*;
 use std::vec;
 use std::vec::Vec;
