@@ -3,7 +3,9 @@
 use pmcip_core::batch::{Batch8, Integrand, Rgb8};
 use pmcip_core::estimate::Estimator;
 use pmcip_core::film::BYTES_PER_PIXEL;
-use pmcip_core::sampler::{Error, Job, Memory, Sampler, Schedule, Sequence, Settings, Tally, Workspace};
+use pmcip_core::sampler::{
+    Error, Job, Memory, Mode, Sampler, Schedule, Sequence, Settings, Tally, Workspace,
+};
 use wide::f32x8;
 
 /// A disc of noise on a calm slope.
@@ -231,7 +233,7 @@ fn misuse_is_refused() {
     assert_eq!(with(|s| s.cd_per_unit = 0.0), Some(Error::CdPerUnit));
     assert_eq!(with(|s| s.gamma = f32::NAN), Some(Error::Gamma));
     assert_eq!(with(|s| s.epsilon = -0.1), Some(Error::Epsilon));
-    assert_eq!(with(|s| s.floor = f32::INFINITY), Some(Error::Floor));
+    assert_eq!(with(|s| s.defensive = 1.1), Some(Error::Defensive));
     assert_eq!(with(|s| s.balance_radius = u32::MAX), Some(Error::BalanceRadius));
     assert_eq!(Workspace::new(&mut [], &mut [Rgb8::default()]).err(), Some(Error::Workspace));
     assert_eq!(Workspace::new(&mut [Batch8::default()], &mut []).err(), Some(Error::Workspace));
@@ -261,13 +263,35 @@ fn the_order_of_calls_is_checked() {
     assert_eq!(sampler.resolve(Estimator::Pooled, &mut scratch, &mut rgb[1..]), Err(Error::Output));
     assert_eq!(sampler.variance(&mut rgb), Err(Error::Output));
     sampler.begin(512).unwrap();
-    sampler.jobs().for_each(|mut job| {
-        render(&mut job, 3);
-    });
-    sampler.jobs().for_each(|mut job| {
+    let mut numbers = [0; 256];
+    assert_eq!(sampler.resolve(Estimator::Pooled, &mut scratch, &mut rgb), Err(Error::Running));
+    assert_eq!(sampler.variance(&mut rgb[..256]), Err(Error::Running));
+    assert_eq!(sampler.count(&mut numbers), Err(Error::Running));
+}
+
+/// A job that is rendered twice cannot stand for one that was left out: what is in the film is not handed out again.
+#[test]
+fn every_job_is_rendered_exactly_once() {
+    let settings = Settings { mode: Mode::Uniform, ..Settings::new(64, 64) };
+    let mut lent = Lent::new(&settings);
+    let mut sampler = lent.sampler(settings);
+    sampler.begin(4 * 4096).unwrap();
+    assert!(sampler.jobs().count() > 2);
+    for _ in 0..2 {
+        render(&mut sampler.jobs().next().unwrap(), 3);
+        assert_eq!(sampler.end(), Err(Error::Unfinished));
+    }
+    sampler.jobs().skip(1).for_each(|mut job| {
         render(&mut job, 3);
     });
     assert_eq!(sampler.end(), Err(Error::Unfinished));
+    let left: u64 = sampler.jobs().map(|mut job| render(&mut job, 3).samples).sum();
+    assert!(left > 0);
+    assert_eq!(sampler.jobs().map(|job| job.samples()).sum::<u64>(), 0);
+    assert_eq!(sampler.end().unwrap().samples, 4 * 4096);
+    let mut count = vec![0; 4096];
+    sampler.count(&mut count).unwrap();
+    assert!(count.iter().all(|n| *n == 4));
 }
 
 /// A noisy disc on black ground.

@@ -35,17 +35,17 @@ fn variants(spp: u32) -> Vec<Variant> {
     for epsilon in [0.0, 0.05, 0.1] {
         add(format!("ε {epsilon}"), Box::new(move |s| s.sampler.epsilon = epsilon));
     }
-    for floor in [0.1, 0.25, 0.75, 1.0] {
-        add(format!("m {floor}"), Box::new(move |s| s.sampler.floor = floor));
+    for part in [0.125, 0.375, 0.5] {
+        add(format!("defensive {part}"), Box::new(move |s| s.sampler.defensive = part));
     }
-    for radius in [6, 12, 36] {
+    for radius in [12, 36, 48, 72] {
         add(format!("balance radius {radius}"), Box::new(move |s| s.sampler.balance_radius = radius));
     }
     add("fresh sequences".into(), Box::new(|s| s.sampler.sequence = Sequence::Fresh));
     for (name, estimator) in [
         ("pooled", Estimator::Pooled),
         ("difference", Estimator::Difference),
-        ("subframe (m 1)", Estimator::Subframe),
+        ("subframe", Estimator::Subframe),
     ] {
         add(name.into(), Box::new(move |s| s.set_estimator(estimator)));
     }

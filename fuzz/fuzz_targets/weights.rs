@@ -17,7 +17,7 @@ struct Input {
     spp: [u8; 4],
     gamma: f32,
     epsilon: f32,
-    floor: f32,
+    defensive: f32,
     cd_per_unit: f32,
     pixel: bool,
     mean: bool,
@@ -53,7 +53,7 @@ fn settings(input: &Input) -> Settings {
     Settings {
         gamma: input.gamma,
         epsilon: input.epsilon,
-        floor: input.floor,
+        defensive: input.defensive,
         cd_per_unit: input.cd_per_unit,
         window: if input.pixel { Window::Pixel } else { Window::Square3 },
         criterion: if input.mean { Criterion::Mean } else { Criterion::Sample },

@@ -2,12 +2,15 @@
 //!
 //! With M_{s,p} the mean of pixel p's samples of iteration s, N_s the samples of iteration s and N their sum:
 //! - pooled: Q_p, the mean of all samples. Least error, but biased dark, since counts follow earlier samples.
-//! - subframe: S_p = Σ_s (N_s/N)·M_{s,p}, the paper's average of sub-images. Unbiased if every pixel has a sample
-//!   in every iteration (floor m ≥ 1). An iteration without one takes the pooled mean of the earlier ones
-//!   instead, and is then as biased as that.
-//! - difference: D_p = Σ_s (N_s/N)·\[c + Σ_k (L_k − c)/n'_p\], c the pixel's pooled mean before the iteration.
-//!   Unbiased wherever n'_p > 0, since E\[n_p | past\] = n'_p. Where n'_p = 0 (no floor, no uniform part, no
-//!   weight) the iteration contributes c. A rejected sample counts as black.
+//! - subframe: S_p = Σ_s (N_s/N)·M_{s,p}, the paper's average of sub-images. Every pixel gets a sample in every iteration
+//!   that has as many. Unbiased if each iteration's points are scrambled anew
+//!   ([`Sequence::Fresh`](crate::sampler::Sequence)); points that continue a sequence avoid where the last ones were,
+//!   and so hang together with what decided their number.
+//! - difference: D_p = Σ_s (b_s/B)·\[c + (S − c)/π\], the difference estimator of survey sampling (Cochran, *Sampling
+//!   techniques*, 1977, section 7.3, for a control c that is known). S is the mean of the pixel's b_s scheduled samples of
+//!   the iteration, B the sum of b_s, π = min(1, n'_p) the probability that they were drawn (where they were not, the
+//!   iteration contributes c), c the pixel's D of the iterations before. Unbiased in every pixel, since neither the points
+//!   of scheduled samples nor b_s depend on what was seen.
 //! - balanced: C = Q + a·G((D − Q)/Gᵀa), G about a Gaussian of σ² = r(r + 1), reflected at the borders; a = √L(Q)
 //!   says how much a pixel takes of what its neighbourhood has lost. Whatever a and G are, ΣC = ΣD: the image's
 //!   energy is exactly unbiased, and the error is about Q's. G = UBV: V sums over cells of 8 × 8 pixels and is
@@ -17,11 +20,7 @@
 //!   would be spread onto black background, where it shows. A pixel can become negative; to clip it would be a
 //!   bias.
 //!
-//! Everything is accumulated while streaming, in one RGB plane besides the mean: W·(E − Q), where E is the
-//! estimator and W = Σ_s w_s, w_s = N_s/|P| (samples a pixel, so that sums stay near the size of radiances). An
-//! iteration that leaves a pixel alone adds w·Q to W·E and to W·Q, hence nothing to the plane, and costs nothing.
-
-use wide::f32x8;
+//! D and S are accumulated while streaming, in one RGB plane besides Q. A rejected sample counts as black in them.
 
 mod picture;
 mod smooth;
@@ -35,7 +34,7 @@ pub enum Estimator {
     Pooled,
     /// The average of the iterations' pictures.
     Subframe,
-    /// Unbiased through expected counts, noisy where few samples are expected.
+    /// Unbiased through scheduled samples and known probabilities, noisy where few samples are expected.
     Difference,
     /// Pooled, with the energy it lost given back to the neighbourhood by `Difference`.
     #[default]
@@ -53,47 +52,13 @@ impl Estimator {
         other == Estimator::Pooled || plane(self) == plane(other)
     }
 
-    /// By how much the excess of eight pixels grows when new samples are merged; none if nothing is accumulated.
-    ///
-    /// With c the pixel's mean and M that of the new samples, W·E grows by w·c + a·(M − c) − b·c, and W·Q by
-    /// w·c + (W + w)·(M − c)·(the part of the new ones in all samples).
+    /// How many of a pixel's `planned` samples, of which the first `scheduled` are scheduled, its own mean is made of.
     #[inline(always)]
-    pub(crate) fn gain(self, new: &Arrival, weight: Weight) -> Option<[f32x8; 3]> {
-        let iteration = f32x8::splat(weight.iteration);
-        let (a, b) = match self {
-            Estimator::Pooled => return None,
-            Estimator::Subframe => (iteration, f32x8::ZERO),
-            Estimator::Difference | Estimator::Balanced => {
-                let each = iteration / new.target;
-                (each * new.count, new.rejected.simd_gt(f32x8::ZERO) & (each * new.rejected))
-            }
-        };
-        // Where nothing is expected nothing is new, and what was divided by 0 above is masked.
-        let factor = a - f32x8::splat(weight.before + weight.iteration) * new.share;
-        let factor = new.count.simd_gt(f32x8::ZERO) & factor;
-        Some([0, 1, 2].map(|c| factor * new.delta[c] - b * new.mean[c]))
+    pub(crate) fn takes(self, scheduled: u32, planned: u32) -> u32 {
+        match self {
+            Estimator::Pooled => 0,
+            Estimator::Subframe => planned,
+            Estimator::Difference | Estimator::Balanced => scheduled.min(planned),
+        }
     }
-}
-
-/// New samples of eight pixels.
-pub(crate) struct Arrival {
-    /// Mean before.
-    pub mean: [f32x8; 3],
-    /// How far the mean of the new samples is from it.
-    pub delta: [f32x8; 3],
-    /// Usable new samples.
-    pub count: f32x8,
-    /// Others.
-    pub rejected: f32x8,
-    /// The part of the new samples in all.
-    pub share: f32x8,
-    /// Expected new samples.
-    pub target: f32x8,
-}
-
-/// Samples a pixel: of all iterations before the running one, W, and of the running one, w.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Weight {
-    pub before: f32,
-    pub iteration: f32,
 }

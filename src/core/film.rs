@@ -31,16 +31,16 @@ pub const BYTES_PER_PIXEL: usize = 4 * (WORDS + FLOATS);
 pub(crate) struct Planes<'a> {
     /// Samples in `mean`.
     pub count: &'a mut [u32],
-    /// Samples drawn so far, rejected ones included: where the pixel's sequence goes on.
+    /// Samples drawn so far that were not scheduled, rejected ones included: where the pixel's sequence goes on.
     pub drawn: &'a mut [u32],
-    /// Samples planned for the current iteration.
+    /// Samples planned for the current iteration that are not in the film yet.
     pub planned: &'a mut [u32],
     /// Mean radiance, a plane a colour.
     pub mean: [&'a mut [f32]; 3],
     /// Sum of squared deviations of luminance from its mean.
     pub m2: &'a mut [f32],
-    /// What the estimator has beyond `mean`, weighted, a plane a colour.
-    pub excess: [&'a mut [f32]; 3],
+    /// The estimator's own mean, a plane a colour: of the scheduled samples, or of the iterations' pictures.
+    pub fair: [&'a mut [f32]; 3],
     /// Samples expected of the current iteration; while the kernel adapts, its weight.
     pub target: &'a mut [f32],
 }
@@ -57,7 +57,7 @@ impl<'a> Planes<'a> {
             planned: words.next()?,
             mean: [float()?, float()?, float()?],
             m2: float()?,
-            excess: [float()?, float()?, float()?],
+            fair: [float()?, float()?, float()?],
             target: float()?,
         })
     }
@@ -71,7 +71,7 @@ impl<'a> Planes<'a> {
             planned: &mut [],
             mean: [f(), f(), f()],
             m2: f(),
-            excess: [f(), f(), f()],
+            fair: [f(), f(), f()],
             target: f(),
         }
     }
@@ -84,7 +84,7 @@ impl<'a> Planes<'a> {
             planned: self.planned,
             mean: self.mean.each_mut().map(|p| &mut **p),
             m2: self.m2,
-            excess: self.excess.each_mut().map(|p| &mut **p),
+            fair: self.fair.each_mut().map(|p| &mut **p),
             target: self.target,
         }
     }
@@ -97,16 +97,16 @@ impl<'a> Planes<'a> {
         let (m2, m2_) = self.m2.split_at_mut(at);
         let (target, target_) = self.target.split_at_mut(at);
         let (mean, mean_) = split_colours(self.mean, at);
-        let (excess, excess_) = split_colours(self.excess, at);
+        let (fair, fair_) = split_colours(self.fair, at);
         (
-            Planes { count, drawn, planned, mean, m2, excess, target },
+            Planes { count, drawn, planned, mean, m2, fair, target },
             Planes {
                 count: count_,
                 drawn: drawn_,
                 planned: planned_,
                 mean: mean_,
                 m2: m2_,
-                excess: excess_,
+                fair: fair_,
                 target: target_,
             },
         )
@@ -124,10 +124,10 @@ impl<'a> Planes<'a> {
         self.mean.each_ref().map(|plane| read8(&plane[pixels.clone()]))
     }
 
-    /// Excess of up to eight neighbouring pixels.
+    /// The estimator's own mean of up to eight neighbouring pixels.
     #[inline(always)]
-    pub fn excess8(&self, pixels: Range<usize>) -> [f32x8; 3] {
-        self.excess.each_ref().map(|plane| read8(&plane[pixels.clone()]))
+    pub fn fair8(&self, pixels: Range<usize>) -> [f32x8; 3] {
+        self.fair.each_ref().map(|plane| read8(&plane[pixels.clone()]))
     }
 }
 

@@ -35,14 +35,16 @@
 #![doc = include_str!("sampler/defaults.md")]
 
 use crate::allocate::{Known, Mixture, allocate_known};
-use crate::estimate::{self, Estimator, Lanes, Weight};
+use crate::estimate::{self, Estimator, Lanes};
 use crate::film::{FLOATS, Layout, Planes, WORDS};
 use crate::kernel::UNKNOWN;
 use crate::predict::{Belief, Prior};
-use crate::sobol::{frame_key, hash};
+use crate::sobol::{PixelKeys, frame_key, hash};
+use scheduled::Scheduled;
 
 mod job;
 mod schedule;
+mod scheduled;
 mod settings;
 pub use job::{Job, Jobs, MAX_RADIANCE, Tally, Workspace};
 pub use schedule::Schedule;
@@ -76,9 +78,11 @@ pub struct Sampler<'a> {
     iteration: u32,
     /// Samples of all iterations that have ended.
     samples: u64,
-    /// How the current or last iteration divided its samples.
+    /// How the current or last iteration divided its samples, and which of them are scheduled.
     mixture: Mixture,
-    running: bool,
+    scheduled: Scheduled,
+    /// Samples of the running iteration, 0 if none is running.
+    running: u64,
 }
 
 impl<'a> Sampler<'a> {
@@ -100,8 +104,16 @@ impl<'a> Sampler<'a> {
         floats.fill(0.0);
         words.fill(0);
         let planes = Planes::new(floats, words, layout.pixels()).ok_or(Error::Memory)?;
-        let mixture = Mixture { samples: 0, floor: 0.0, epsilon: 1.0 };
-        Ok(Sampler { settings, layout, planes, iteration: 0, samples: 0, mixture, running: false })
+        Ok(Sampler {
+            settings,
+            layout,
+            planes,
+            iteration: 0,
+            samples: 0,
+            mixture: Mixture { samples: 0, floor: 0.0, epsilon: 1.0 },
+            scheduled: Scheduled::default(),
+            running: 0,
+        })
     }
 
     /// The settings the sampler was made with.
@@ -144,23 +156,39 @@ impl<'a> Sampler<'a> {
         if given != 0 && given != self.layout.pixels() {
             return Err(Error::Prior);
         }
-        if self.running {
+        if self.running > 0 {
             return Err(Error::Begun);
         }
         if samples == 0 || samples > crate::allocate::MAX_SAMPLES {
             return Err(Error::Samples);
         }
         let adaptive = self.settings.mode == Mode::Adaptive && self.iteration > 0;
-        self.mixture = Mixture {
-            samples,
-            floor: self.settings.floor,
-            epsilon: if adaptive { self.settings.epsilon } else { 1.0 },
+        let each = samples as f64 / self.layout.pixels() as f64;
+        self.mixture = match adaptive {
+            true => Mixture { samples, floor: self.floor(each as f32), epsilon: self.settings.epsilon },
+            false => Mixture { samples, floor: 0.0, epsilon: 1.0 },
         };
+        self.scheduled = self.schedule(if adaptive { self.mixture.floor } else { each as f32 });
         let known = if adaptive { self.adapt(prior) } else { Known::default() };
         let offset = hash(frame_key(!self.settings.seed, self.settings.frame) ^ self.iteration);
         allocate_known(self.planes.target, self.planes.planned, self.mixture, offset, &known)?;
-        self.running = true;
+        self.running = samples;
         Ok(())
+    }
+
+    /// m, samples that every pixel expects at least in an adaptive iteration of `each` a pixel.
+    fn floor(&self, each: f32) -> f32 {
+        let least = if self.settings.estimator == Estimator::Subframe { each.min(1.0) } else { 0.0 };
+        (self.settings.defensive * each).max(least)
+    }
+
+    /// The scheduled samples of an iteration in which every pixel expects at least `least`.
+    fn schedule(&self, least: f32) -> Scheduled {
+        match (self.iteration, self.settings.mode) {
+            (0, Mode::Uniform) => Scheduled::always(least as u32),
+            (0, Mode::Adaptive) => Scheduled::first(least as u32),
+            _ => self.scheduled.then(least),
+        }
     }
 
     /// Writes the weights of the kernel into the plane `target` and returns their sum.
@@ -184,8 +212,9 @@ impl<'a> Sampler<'a> {
     /// Writes what the frame has seen of every pixel, by the kernel's window, row by row.
     ///
     /// # Errors
-    /// If `out` is not as long as the picture has pixels.
+    /// If an iteration is running, or `out` is not as long as the picture has pixels.
     pub fn beliefs(&self, out: &mut [Belief]) -> Result<(), Error> {
+        self.at_rest()?;
         if out.len() != self.layout.pixels() {
             return Err(Error::Output);
         }
@@ -193,40 +222,47 @@ impl<'a> Sampler<'a> {
         Ok(())
     }
 
-    /// The jobs of the running iteration; none if none is running.
+    /// The jobs of the running iteration, as far as their samples are not in the film yet; none if none is running.
     pub fn jobs(&mut self) -> Jobs<'_> {
         let context = job::Context {
             layout: self.layout,
-            frame: frame_key(self.settings.seed, self.settings.frame),
+            keys: PixelKeys::new(self.settings.seed, self.settings.frame),
             iteration: hash(self.iteration),
             sequence: self.settings.sequence,
+            scheduled: self.scheduled,
             estimator: self.settings.estimator,
-            weight: Weight {
-                before: self.weight(self.samples),
-                iteration: self.weight(self.mixture.samples),
-            },
+            share: self.share(),
         };
-        let tiles = if self.running { self.layout.tiles() } else { 0 };
+        let tiles = if self.running > 0 { self.layout.tiles() } else { 0 };
         Jobs { rest: self.planes.reborrow(), context, next_tile: 0, tiles }
+    }
+
+    /// The part of the running iteration in the estimator's own mean.
+    fn share(&self) -> f32 {
+        match self.settings.estimator {
+            Estimator::Pooled => 0.0,
+            Estimator::Subframe => self.running as f32 / (self.samples + self.running).max(1) as f32,
+            Estimator::Difference | Estimator::Balanced => self.scheduled.share(),
+        }
     }
 
     /// Ends the iteration and returns what has been sampled since the first one.
     ///
     /// # Errors
-    /// If no iteration is running, or its jobs were not all rendered exactly once; the film is then of no use.
+    /// If no iteration is running, or not all of its samples have been taken: it goes on running, and
+    /// [`jobs`](Self::jobs) has what is left.
     pub fn end(&mut self) -> Result<Tally, Error> {
-        if !self.running {
+        if self.running == 0 {
             return Err(Error::NotBegun);
         }
-        let sum = |plane: &[u32]| plane.iter().map(|n| u64::from(*n)).sum::<u64>();
-        let (drawn, samples) = (sum(self.planes.drawn), sum(self.planes.count));
-        if drawn != self.samples + self.mixture.samples {
+        if self.planes.planned.iter().any(|n| *n > 0) {
             return Err(Error::Unfinished);
         }
-        self.samples = drawn;
+        self.samples += self.running;
+        let samples = self.planes.count.iter().map(|n| u64::from(*n)).sum::<u64>();
         self.iteration += 1;
-        self.running = false;
-        Ok(Tally { samples, rejected: drawn - samples })
+        self.running = 0;
+        Ok(Tally { samples, rejected: self.samples - samples })
     }
 
     /// Length of the scratch [`resolve`](Self::resolve) needs.
@@ -239,9 +275,11 @@ impl<'a> Sampler<'a> {
     /// Any estimator for which [`Settings::estimator`] [serves](Estimator::serves) may be asked for.
     ///
     /// # Errors
-    /// If the film has not accumulated for `estimator`, or `out` or `scratch` have the wrong length.
+    /// If an iteration is running, the film has not accumulated for `estimator`, or `out` or `scratch` have the wrong
+    /// length.
     pub fn resolve(&self, estimator: Estimator, scratch: &mut [Lanes], out: &mut [f32]) -> Result<(), Error> {
         let (width, height) = (self.settings.width, self.settings.height);
+        self.at_rest()?;
         if !self.settings.estimator.serves(estimator) {
             return Err(Error::Estimator);
         }
@@ -250,12 +288,11 @@ impl<'a> Sampler<'a> {
             return Err(Error::Output);
         }
         let (out, _) = out.as_chunks_mut();
-        let share = 1.0 / self.weight(self.samples.max(1));
         let (layout, planes, radius) = (&self.layout, &self.planes, self.settings.balance_radius);
         match estimator {
-            Estimator::Pooled => estimate::plain(layout, planes, 0.0, out),
-            Estimator::Subframe | Estimator::Difference => estimate::plain(layout, planes, share, out),
-            Estimator::Balanced => estimate::balanced(layout, planes, share, radius, scratch, out),
+            Estimator::Pooled => estimate::plain(layout, &planes.mean, out),
+            Estimator::Subframe | Estimator::Difference => estimate::plain(layout, &planes.fair, out),
+            Estimator::Balanced => estimate::balanced(layout, planes, radius, scratch, out),
         }
         Ok(())
     }
@@ -265,9 +302,10 @@ impl<'a> Sampler<'a> {
     /// 0 where there are fewer than two samples.
     ///
     /// # Errors
-    /// If `out` is not as long as the picture has pixels.
+    /// If an iteration is running, or `out` is not as long as the picture has pixels.
     pub fn variance(&self, out: &mut [f32]) -> Result<(), Error> {
         let planes = &self.planes;
+        self.at_rest()?;
         self.read_out(out, |i| match planes.count[i] {
             0 | 1 => 0.0,
             n => planes.m2[i] / ((n - 1) as f32 * n as f32),
@@ -277,8 +315,9 @@ impl<'a> Sampler<'a> {
     /// Writes how many samples every pixel has, row by row.
     ///
     /// # Errors
-    /// If `out` is not as long as the picture has pixels.
+    /// If an iteration is running, or `out` is not as long as the picture has pixels.
     pub fn count(&self, out: &mut [u32]) -> Result<(), Error> {
+        self.at_rest()?;
         self.read_out(out, |i| self.planes.count[i])
     }
 
@@ -297,6 +336,11 @@ impl<'a> Sampler<'a> {
         })
     }
 
+    /// That no iteration is running: what there is would be the half of one.
+    fn at_rest(&self) -> Result<(), Error> {
+        if self.running > 0 { Err(Error::Running) } else { Ok(()) }
+    }
+
     fn read_out<T>(&self, out: &mut [T], value: impl Fn(usize) -> T) -> Result<(), Error> {
         if out.len() != self.layout.pixels() {
             return Err(Error::Output);
@@ -306,10 +350,5 @@ impl<'a> Sampler<'a> {
             run.zip(&mut out[raster..raster + length]).for_each(|(i, out)| *out = value(i));
         });
         Ok(())
-    }
-
-    /// Samples a pixel, the weight of an iteration.
-    fn weight(&self, samples: u64) -> f32 {
-        (samples as f64 / self.layout.pixels() as f64) as f32
     }
 }

@@ -21,10 +21,33 @@ pub fn point(index: u32x8, key: u32x8, set: u32) -> (f32x8, f32x8) {
     (unit(reverse(x)), unit(reverse(y)))
 }
 
-/// The key of a frame; a pixel's sequence has the [`hash8`] of this and its place.
+/// The key of a frame.
 #[inline]
 pub(crate) fn frame_key(seed: u32, frame: u32) -> u32 {
     hash(hash(seed) ^ frame)
+}
+
+/// The keys of a frame's pixels.
+///
+/// Two words, mixed in one after the other: whatever one of them has in common with that of another frame, pixels of
+/// the two frames share a key as rarely as chance has it. (By the first alone, frames whose keys differ in bits of the
+/// coordinates only would have the same keys, in another order.)
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PixelKeys {
+    inner: u32,
+    outer: u32,
+}
+
+impl PixelKeys {
+    pub fn new(seed: u32, frame: u32) -> Self {
+        PixelKeys { inner: frame_key(seed, frame), outer: frame_key(frame, seed) }
+    }
+
+    /// The keys of the sequences of eight pixels; `place` is a row in the upper and a column in the lower half.
+    #[inline(always)]
+    pub fn at(self, place: u32x8) -> u32x8 {
+        hash8(hash8(place ^ u32x8::splat(self.inner)) ^ u32x8::splat(self.outer))
+    }
 }
 
 /// Mixes 32 bits, one to one (the function `lowbias32` of Wellons' hash prospector), 0 not to 0.

@@ -17,7 +17,7 @@ use crate::scene::{LoadedScene, View};
 use crate::stop::{Growth, Target};
 use clap::ValueEnum;
 use pmcip_core::estimate::Estimator;
-use pmcip_core::sampler::{self, Schedule};
+use pmcip_core::sampler::{self, Schedule, Sequence};
 use serde_json::{Map, Value, json};
 use std::fmt::{self, Display, Formatter};
 
@@ -121,7 +121,7 @@ pub enum Estimate {
     Balanced,
     /// The mean of all samples of a pixel; adaptive sampling makes it too dark
     Pooled,
-    /// The mean of the iterations' images; a sample of every pixel in every iteration makes it unbiased
+    /// The mean of the iterations' images; unbiased, as each is sampled anew
     Subframe,
     /// Unbiased in every pixel, noisy where samples are few
     Difference,
@@ -210,11 +210,11 @@ impl Settings {
         }
     }
 
-    /// Picks an estimator, and the floor of samples that its freedom from bias needs.
+    /// Picks an estimator, and the sequence of points that its freedom from bias needs.
     pub fn set_estimator(&mut self, estimator: Estimator) {
         self.sampler.estimator = estimator;
         if estimator == Estimator::Subframe {
-            self.sampler.floor = self.sampler.floor.max(1.0);
+            self.sampler.sequence = Sequence::Fresh;
         }
     }
 
@@ -266,7 +266,7 @@ impl Settings {
             "estimator": word(core.estimator),
             "gamma": short(core.gamma),
             "epsilon": short(core.epsilon),
-            "floor": short(core.floor),
+            "defensive": short(core.defensive),
             "window": word(core.window),
             "sequence": word(core.sequence),
             "balance_radius": core.balance_radius,
@@ -356,10 +356,10 @@ mod tests {
     }
 
     #[test]
-    fn subframe_gets_the_floor_it_needs() {
+    fn subframe_gets_the_points_it_needs() {
         let mut settings = settings(Method::Pmc, 16);
         settings.set_estimator(Estimator::Subframe);
-        assert_eq!(settings.sampler.floor, 1.0);
+        assert_eq!(settings.sampler.sequence, Sequence::Fresh);
     }
 
     #[test]

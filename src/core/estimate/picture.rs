@@ -6,7 +6,7 @@
 
 use super::smooth::{self, LANES, Lanes, smooth};
 use crate::film::cell::{CELL, Cell};
-use crate::film::eight::write_rgb8;
+use crate::film::eight::{read8, write_rgb8};
 use crate::film::{Layout, Planes, luminance8};
 use wide::f32x8;
 
@@ -32,12 +32,11 @@ pub(crate) fn scratch_len(width: u32, height: u32) -> usize {
         + smooth::scratch_len(columns, rows)
 }
 
-/// Writes mean + `share` · excess, row by row.
-pub(crate) fn plain(layout: &Layout, planes: &Planes<'_>, share: f32, out: &mut [[f32; 3]]) {
+/// Writes three planes of the film, row by row.
+pub(crate) fn plain(layout: &Layout, colours: &[&mut [f32]; 3], out: &mut [[f32; 3]]) {
     layout.for_each_cell(|cell| {
         for dy in 0..cell.height {
-            let (mean, excess) = (planes.mean8(cell.row(dy)), planes.excess8(cell.row(dy)));
-            let rgb = [0, 1, 2].map(|c| mean[c] + excess[c] * f32x8::splat(share));
+            let rgb = colours.each_ref().map(|plane| read8(&plane[cell.row(dy)]));
             write_rgb8(&mut out[cell.raster(dy, layout.width() as usize)], rgb);
         }
     });
@@ -47,7 +46,6 @@ pub(crate) fn plain(layout: &Layout, planes: &Planes<'_>, share: f32, out: &mut 
 pub(crate) fn balanced(
     layout: &Layout,
     planes: &Planes<'_>,
-    share: f32,
     radius: u32,
     scratch: &mut [Lanes],
     out: &mut [[f32; 3]],
@@ -61,7 +59,7 @@ pub(crate) fn balanced(
     smooth::<1>(taken, size, radii, lines);
     for (excess, taken) in excess.as_chunks_mut::<3>().0.iter_mut().zip(taken) {
         // Where nobody takes anything, no sample was ever bright: there is nothing to spread.
-        *excess = excess.map(|excess| excess * share / taken.max(1e-12));
+        *excess = excess.map(|excess| excess / taken.max(1e-12));
     }
     smooth::<3>(excess, size, radii, lines);
     spread(layout, planes, excess.as_chunks().0, out);
@@ -93,13 +91,12 @@ fn gather(layout: &Layout, planes: &Planes<'_>, taken: &mut [f32], excess: &mut 
         let mut lost = [f32x8::ZERO; 3];
         let mut takers = [f32x8::ZERO; 3];
         for dy in 0..cell.height {
-            let here = takes(planes.mean8(cell.row(dy)));
+            let (mean, fair) = (planes.mean8(cell.row(dy)), planes.fair8(cell.row(dy)));
+            let here = takes(mean);
             for (sum, near) in takers.iter_mut().zip(NEAR) {
                 *sum += here * f32x8::splat(near[dy]);
             }
-            for (sum, excess) in lost.iter_mut().zip(planes.excess8(cell.row(dy))) {
-                *sum += excess;
-            }
+            (0..3).for_each(|c| lost[c] += fair[c] - mean[c]);
         }
         excess[cell.y * columns + cell.x] = lost.map(sum);
         for (takers, y) in takers.iter().zip(around(cell.y, rows)) {

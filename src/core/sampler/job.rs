@@ -1,11 +1,12 @@
 //! A run of tiles to be sampled by one thread.
 
+use super::scheduled::Scheduled;
 use super::settings::{Error, Sequence};
 use crate::batch::{Batch8, Integrand, Rgb8};
-use crate::estimate::{Estimator, Weight};
+use crate::estimate::Estimator;
 use crate::film::arrivals::{Arrivals, GROUP, Sums, samples};
 use crate::film::{Layout, Planes, Tile};
-use crate::sobol;
+use crate::sobol::{self, PixelKeys};
 use wide::{f32x4, f32x8, u32x8};
 
 /// Samples a job has at least, the last one of an iteration excepted.
@@ -53,29 +54,37 @@ impl core::ops::AddAssign for Tally {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Context {
     pub layout: Layout,
-    /// Key of the frame's sequences, and of the iteration's.
-    pub frame: u32,
+    pub keys: PixelKeys,
+    /// Key of the iteration.
     pub iteration: u32,
     pub sequence: Sequence,
+    pub scheduled: Scheduled,
     pub estimator: Estimator,
-    pub weight: Weight,
+    /// Part of the iteration in the estimator's own mean.
+    pub share: f32,
 }
 
 impl Context {
     /// Keys of the sequences of the pixels at `place`, a row in the upper and a column in the lower half.
     #[inline(always)]
     fn keys(&self, place: u32x8) -> u32x8 {
-        let key = sobol::hash8(place ^ u32x8::splat(self.frame));
+        let key = self.keys.at(place);
         match self.sequence {
             Sequence::Continued => key,
             Sequence::Fresh => sobol::hash8(key ^ u32x8::splat(self.iteration)),
         }
     }
 
-    /// Number of the next point of a pixel's sequence.
+    /// Number in its sequence of a pixel's sample `number` of this iteration, if it drew `drawn` before that were not
+    /// scheduled.
     #[inline(always)]
-    fn index(&self, drawn: u32) -> u32 {
-        if self.sequence == Sequence::Continued { drawn } else { 0 }
+    fn point(&self, number: u32, drawn: u32) -> u32 {
+        let scheduled = &self.scheduled;
+        match self.sequence {
+            Sequence::Fresh => number,
+            Sequence::Continued if number < scheduled.count => scheduled.point(number),
+            Sequence::Continued => scheduled.other_point(drawn.wrapping_add(number - scheduled.count)),
+        }
     }
 }
 
@@ -133,8 +142,9 @@ pub struct Job<'a> {
 #[derive(Clone, Copy, Debug)]
 struct Accepting {
     pixel: usize,
-    /// Samples planned that are still to come.
+    /// Samples planned that are still to come, and how many are when those end that the estimator's own mean is made of.
     left: u32,
+    fair_end: u32,
     sums: Sums,
     rejected: u64,
 }
@@ -150,17 +160,28 @@ struct Place {
     tile_number: u32,
     dx: u32,
     dy: u32,
-    /// Number of the iteration's first point in the pixel's sequence.
-    index: u32,
+    /// Samples of earlier iterations that were not scheduled.
+    drawn: u32,
 }
 
 impl<'a> Job<'a> {
     fn new(planes: Planes<'a>, context: Context, tile_number: u32, samples: u64) -> Self {
         let tile = context.layout.tile(tile_number);
-        let (planned, index) = (planes.planned[0], context.index(planes.drawn[0]));
-        let next = Place { pixel: 0, number: 0, planned, tile, tile_number, dx: 0, dy: 0, index };
-        let last = Accepting { pixel: 0, left: planned, sums: Sums::default(), rejected: 0 };
-        Job { planes, context, samples, filled: 0, accepted: 0, next, last, arrivals: Arrivals::NONE }
+        let (planned, drawn) = (planes.planned[0], planes.drawn[0]);
+        let next = Place { pixel: 0, number: 0, planned, tile, tile_number, dx: 0, dy: 0, drawn };
+        let last = Accepting { pixel: 0, left: 0, fair_end: 0, sums: Sums::default(), rejected: 0 };
+        let arrivals = Arrivals::NONE;
+        let mut job = Job { planes, context, samples, filled: 0, accepted: 0, next, last, arrivals };
+        job.last = job.accepting(0, 0);
+        job
+    }
+
+    /// The state before the first sample of `pixel` is accepted.
+    #[inline(always)]
+    fn accepting(&self, pixel: usize, rejected: u64) -> Accepting {
+        let left = self.planes.planned[pixel];
+        let fair = self.context.estimator.takes(self.context.scheduled.count, left);
+        Accepting { pixel, left, fair_end: left - fair, sums: Sums::default(), rejected }
     }
 
     /// Number of samples planned.
@@ -202,9 +223,9 @@ impl<'a> Job<'a> {
             let run = lanes.min(lane + (self.next.planned - self.next.number) as usize);
             let (x, y) = (self.next.tile.x0 + self.next.dx, self.next.tile.y0 + self.next.dy);
             let at = y << 16 | x;
-            let first = self.next.index.wrapping_add(self.next.number);
             for k in lane..run {
-                (index[k], place[k]) = (first.wrapping_add((k - lane) as u32), at);
+                (index[k], place[k]) =
+                    (self.context.point(self.next.number + (k - lane) as u32, self.next.drawn), at);
             }
             self.next.number += (run - lane) as u32;
             lane = run;
@@ -231,7 +252,7 @@ impl<'a> Job<'a> {
             next.step(&self.context.layout);
             next.planned = self.planes.planned[next.pixel];
         }
-        next.index = self.context.index(self.planes.drawn[next.pixel]);
+        next.drawn = self.planes.drawn[next.pixel];
     }
 
     /// Takes the radiances of the samples handed out, in the same order; superfluous ones are ignored.
@@ -252,11 +273,11 @@ impl<'a> Job<'a> {
         let mut last = self.last;
         for (lane, sample) in samples.iter().enumerate() {
             while last.left == 0 {
-                last.pixel += 1;
-                if last.pixel.is_multiple_of(GROUP) {
-                    self.merge_before(last.pixel);
+                let next = last.pixel + 1;
+                if next.is_multiple_of(GROUP) {
+                    self.merge_before(next);
                 }
-                (last.left, last.sums) = (self.planes.planned[last.pixel], Sums::default());
+                last = self.accepting(next, last.rejected);
             }
             if usable >> lane & 1 == 1 {
                 last.sums.add(*sample);
@@ -264,9 +285,12 @@ impl<'a> Job<'a> {
                 last.rejected += 1;
             }
             last.left -= 1;
+            if last.left == last.fair_end {
+                self.set_fair(&last);
+            }
             if last.left == 0 {
-                let planned = self.planes.planned[last.pixel];
-                self.arrivals.set(last.pixel % GROUP, &last.sums, planned);
+                let others = self.planes.planned[last.pixel].saturating_sub(self.context.scheduled.count);
+                self.arrivals.set(last.pixel % GROUP, &last.sums, others);
             }
         }
         self.last = last;
@@ -274,9 +298,16 @@ impl<'a> Job<'a> {
 
     /// Merges the group of pixels that ends before `end` into the film.
     fn merge_before(&mut self, end: usize) {
-        let (estimator, weight) = (self.context.estimator, self.context.weight);
-        self.arrivals.merge(&mut self.planes, end - GROUP, estimator, weight);
+        self.arrivals.merge(&mut self.planes, end - GROUP, self.context.share);
         self.arrivals = Arrivals::NONE;
+    }
+
+    /// Lets the samples of a pixel so far into the estimator's own mean.
+    #[inline(always)]
+    fn set_fair(&mut self, last: &Accepting) {
+        let taken = self.planes.planned[last.pixel] - last.fair_end;
+        let weight = self.context.scheduled.weight(self.planes.target[last.pixel]);
+        self.arrivals.set_fair(last.pixel % GROUP, last.sums.mean_of(taken), weight);
     }
 
     /// Samples accepted so far.

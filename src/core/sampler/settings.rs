@@ -18,7 +18,7 @@ pub enum Mode {
 /// How a pixel's Sobol sequence goes on in the next iteration.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Sequence {
-    /// With the next point: best stratified, though not strictly independent of what steered the count.
+    /// With points that complete those of earlier iterations: best stratified.
     #[default]
     Continued,
     /// Anew, scrambled by another key.
@@ -52,16 +52,17 @@ pub struct Settings {
     pub gamma: f32,
     /// ε, the part given out uniformly, 0 to 1.
     pub epsilon: f32,
-    /// m, samples every pixel expects at least in an iteration; may be a fraction.
-    pub floor: f32,
+    /// Part of an iteration's samples that every pixel expects at least, whatever has been seen, 0 to 1. Without it the
+    /// estimators `difference` and `balanced` have the energy of the first iteration alone.
+    pub defensive: f32,
     /// Radius r in pixels of the balanced estimator's three boxes: σ² is about r(r + 1), and at least 16, as it works on
     /// cells of 8 × 8 pixels.
     pub balance_radius: u32,
 }
 
 impl Settings {
-    /// The defaults, found by measurement: variance of the mean, γ 0.8, binomial window, ε 0.01, floor ½, balanced
-    /// with σ 24.5 pixels.
+    /// The defaults, found by measurement: variance of the mean, γ 0.8, binomial window, ε 0.01, a quarter of
+    /// the samples defensive, balanced with σ 48.5 pixels.
     pub fn new(width: u32, height: u32) -> Settings {
         Settings {
             width,
@@ -76,19 +77,19 @@ impl Settings {
             window: Window::Square3,
             gamma: 0.8,
             epsilon: 0.01,
-            floor: 0.5,
-            balance_radius: 24,
+            defensive: 0.25,
+            balance_radius: 48,
         }
     }
 
-    /// The method as published: γ 1, no window, no floor, ε 0.01, pooled.
+    /// The method as published: γ 1, no window, nothing defensive but the first iteration, ε 0.01, pooled.
     pub fn paper(width: u32, height: u32) -> Settings {
         Settings {
             estimator: Estimator::Pooled,
             criterion: Criterion::Sample,
             window: Window::Pixel,
             gamma: 1.0,
-            floor: 0.0,
+            defensive: 0.0,
             ..Settings::new(width, height)
         }
     }
@@ -110,8 +111,8 @@ impl Settings {
         if !(0.0..=1.0).contains(&self.epsilon) {
             return Err(Error::Epsilon);
         }
-        if !(self.floor >= 0.0 && self.floor.is_finite()) {
-            return Err(Error::Floor);
+        if !(0.0..=1.0).contains(&self.defensive) {
+            return Err(Error::Defensive);
         }
         if self.balance_radius > MAX_RADIUS {
             return Err(Error::BalanceRadius);
@@ -141,8 +142,8 @@ pub enum Error {
     Gamma,
     /// ε is out of range.
     Epsilon,
-    /// The floor is negative or not finite.
-    Floor,
+    /// The defensive part is out of range.
+    Defensive,
     /// The balanced estimator's radius is too large.
     BalanceRadius,
     /// Lent memory is shorter than [`Sampler::required`](super::Sampler::required) says.
@@ -155,8 +156,10 @@ pub enum Error {
     Begun,
     /// `end` without an iteration running.
     NotBegun,
-    /// `end` before every job was rendered, or after one was rendered twice.
+    /// `end` before every job was rendered.
     Unfinished,
+    /// The film was asked for while an iteration is running.
+    Running,
     /// The film accumulates for another estimator.
     Estimator,
     /// Scratch is shorter than [`Sampler::resolve_scratch`](super::Sampler::resolve_scratch) says.
@@ -177,13 +180,14 @@ impl core::fmt::Display for Error {
             Error::CdPerUnit => "cd_per_unit must be positive and finite",
             Error::Gamma => "gamma must be between 0 and 4",
             Error::Epsilon => "epsilon must be between 0 and 1",
-            Error::Floor => "the floor of samples a pixel must be 0 or more",
+            Error::Defensive => "the defensive part must be between 0 and 1",
             Error::Memory => "lent memory is too short: lend as much as Sampler::required says",
             Error::Workspace => "a workspace needs room for at least one batch and one radiance",
             Error::Samples => "an iteration must have 1 to 2^32 - 1 samples: use more iterations for more",
             Error::Begun => "an iteration is running: end it before the next one begins",
             Error::NotBegun => "no iteration is running: begin one first",
-            Error::Unfinished => "render every job of the iteration exactly once before its end",
+            Error::Unfinished => "render every job of the iteration before its end",
+            Error::Running => "an iteration is running: end it before the film is read",
             Error::Estimator => "the film accumulates for another estimator: set Settings::estimator",
             Error::Scratch => "scratch is too short: lend as much as Sampler::resolve_scratch says",
             Error::Prior => "a prediction must have one entry a pixel",
@@ -200,7 +204,7 @@ impl From<allocate::Error> for Error {
         match error {
             allocate::Error::Pixels => Error::Size,
             allocate::Error::Samples => Error::Samples,
-            allocate::Error::Floor => Error::Floor,
+            allocate::Error::Floor => Error::Defensive,
             allocate::Error::Epsilon => Error::Epsilon,
         }
     }
