@@ -63,6 +63,16 @@ fn node(child: u32, count: u32) -> Node8 {
     node
 }
 
+/// The same child in slot 1, with nothing in slot 0.
+fn behind_a_hole(node: Node8) -> Node8 {
+    let mut moved = Node8::EMPTY;
+    for axis in 0..3 {
+        (moved.lower[axis][1], moved.upper[axis][1]) = (node.lower[axis][0], node.upper[axis][0]);
+    }
+    (moved.child[1], moved.count[1]) = (node.child[0], node.count[0]);
+    moved
+}
+
 #[test]
 fn a_sound_scene_is_accepted() {
     assert_eq!(checked(|_| ()), Ok(()));
@@ -83,6 +93,19 @@ fn every_fault_is_named() {
     assert_eq!(fault(nine), Error::Node(0), "more triangles than a leaf has room for");
     assert_eq!(fault(|p| p.nodes[0] = node(0, 0)), Error::Node(0), "a node that contains itself");
     assert_eq!(fault(|p| p.nodes[0] = node(7, 0)), Error::Node(0), "no such node");
+    assert_eq!(fault(|p| p.nodes[0].upper[1][0] = f32::NAN), Error::Node(0), "a box that is none");
+    assert_eq!(fault(|p| p.nodes[0].lower[2][0] = f32::NEG_INFINITY), Error::Node(0), "a box without end");
+    assert_eq!(fault(|p| p.nodes[0].lower[1][0] = 2.0), Error::Node(0), "a box inside out");
+    assert_eq!(fault(|p| p.nodes[0] = behind_a_hole(node(0, 1))), Error::Node(0), "a child behind a hole");
+    assert_eq!(fault(|p| p.nodes[0].lower[1][5] = 0.0), Error::Node(0), "half an empty box");
+    assert_eq!(fault(|p| p.nodes[0].count[7] = 1), Error::Node(0), "triangles of nobody");
+    let [t, other] =
+        [1.0, 2.0].map(|size| Triangle { corners: [[0.0; 3], [size, 0.0, 0.0], [0.0, 1.0, 0.0]] });
+    let leaf = |triangles: &[Triangle]| checked(|p| p.leaves[0] = Leaf8::new(0, triangles));
+    assert_eq!(leaf(&[t]), Ok(()));
+    assert_eq!(leaf(&[t, t]), Err(Error::Leaf(0)), "a triangle that is not there");
+    assert_eq!(leaf(&[other]), Err(Error::Leaf(0)), "another triangle than the scene's");
+    assert_eq!(leaf(&[]), Err(Error::Leaf(0)), "a triangle is missing");
     assert_eq!(fault(|p| p.surfaces[0].material = 1), Error::Surface(0));
     assert_eq!(fault(|p| p.materials[0].diffuse[1] = 1.5), Error::Material(0));
     assert_eq!(fault(|p| p.materials[0].emission[0] = f32::NAN), Error::Material(0));

@@ -131,6 +131,8 @@ pub const LIGHT_LEAF: u32 = 1 << 31;
 pub const MAX_LIGHT_DEPTH: u32 = 10;
 
 /// Eight boxes and what is in them: a node of the bounding volume hierarchy, four cache lines.
+///
+/// Children that are there come first and have finite boxes; the others have the boxes of [`EMPTY`](Self::EMPTY).
 #[repr(C, align(64))]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Node8 {
@@ -158,6 +160,25 @@ impl Node8 {
     pub fn is_used(&self, i: usize) -> bool {
         self.lower[0][i] <= self.upper[0][i]
     }
+
+    /// How many children there are, if those that are not there come last and every box is finite or empty. A walk over a
+    /// packet stops at the first empty box, that of a single ray looks at all eight: both must see the same.
+    fn children(&self) -> Option<usize> {
+        let used = (0..8).take_while(|&child| self.is_used(child)).count();
+        let finite = |child: usize| {
+            (0..3).all(|axis| {
+                let (lower, upper) = (self.lower[axis][child], self.upper[axis][child]);
+                lower <= upper && lower.is_finite() && upper.is_finite()
+            })
+        };
+        let empty = |child: usize| {
+            let boxed = |rows: &[[f32; 8]; 3], bound: f32| rows.iter().all(|row| row[child] == bound);
+            boxed(&self.lower, f32::INFINITY)
+                && boxed(&self.upper, f32::NEG_INFINITY)
+                && self.count[child] == 0
+        };
+        ((0..used).all(finite) && (used..8).all(empty)).then_some(used)
+    }
 }
 
 /// Up to eight triangles in structure-of-arrays form, so that one ray meets all of them at once.
@@ -182,6 +203,17 @@ impl Leaf8 {
             }
         }
         leaf
+    }
+
+    /// Whether it holds `triangles`, all of a leaf's, bit by bit, and nothing else that could be hit.
+    fn holds(&self, triangles: &[Triangle]) -> bool {
+        let corner = |lane: usize, k: usize| self.corners[k].map(|row| row[lane].to_bits());
+        let same = |(lane, triangle): (usize, &Triangle)| {
+            (0..3).all(|k| corner(lane, k) == triangle.corners[k].map(f32::to_bits))
+        };
+        let rows = || self.corners.as_flattened().iter();
+        triangles.iter().enumerate().all(same)
+            && rows().all(|row| row[triangles.len()..].iter().all(|x| x.is_nan()))
     }
 }
 
@@ -221,9 +253,11 @@ pub(crate) const STACK: usize = 7 * MAX_DEPTH + 1;
 pub enum Error {
     /// `surfaces` and `triangles` differ in length.
     SurfaceCount,
-    /// The node of this index has a child that does not exist or comes before it, or a leaf with more than eight
-    /// triangles or some that do not exist.
+    /// The node of this index has a child that does not exist or comes before it, a leaf with more than eight triangles or
+    /// some that do not exist, a box that is neither finite nor empty, or an empty one before another.
     Node(usize),
+    /// The leaf of this index has other corners than its triangles, or more of them.
+    Leaf(usize),
     /// The hierarchy has more than [`MAX_DEPTH`] levels.
     TooDeep,
     /// The surface of this index names a material that does not exist.
@@ -240,13 +274,18 @@ pub enum Error {
     /// The node of this index of the light tree has a child that does not exist or comes before it, or a power that
     /// is not a number from 0 to 1.
     LightNode(usize),
+    /// A node or a light has more than one place in the light tree, or none.
+    LightTree,
 }
 
 impl core::fmt::Display for Error {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
             Error::SurfaceCount => write!(f, "there must be one surface for each triangle"),
-            Error::Node(i) => write!(f, "node {i} refers to a child or a triangle that is not there"),
+            Error::Node(i) => {
+                write!(f, "node {i} refers to a child or a triangle that is not there, or a box is not a box")
+            }
+            Error::Leaf(i) => write!(f, "leaf {i} does not hold the triangles it stands for"),
             Error::TooDeep => write!(f, "the hierarchy has more than {MAX_DEPTH} levels"),
             Error::Surface(i) => write!(f, "surface {i} names a material that is not there"),
             Error::Material(i) => write!(f, "material {i} has a value out of range or no such texture"),
@@ -255,6 +294,7 @@ impl core::fmt::Display for Error {
             Error::LightNode(i) => {
                 write!(f, "node {i} of the light tree has a bad power or a child that is not there")
             }
+            Error::LightTree => write!(f, "every node and every light must have one place in the light tree"),
             Error::Light(i) => write!(f, "light {i} has no triangle or its probability does not rise to one"),
         }
     }
@@ -321,12 +361,13 @@ fn check_tree(data: &SceneData) -> Result<(), Error> {
             return Err(Error::TooDeep);
         }
         let node = &data.nodes[index as usize];
-        for child in (0..8).filter(|&c| node.is_used(c)) {
+        let children = node.children().ok_or(Error::Node(index as usize))?;
+        for child in 0..children {
             let (first, count) = (node.child[child] as usize, node.count[child] as usize);
             if count > 0 {
-                let start = data.leaves.get(first).map(|leaf| leaf.first as usize);
-                if count > 8 || start.is_none_or(|start| start.saturating_add(count) > data.triangles.len()) {
-                    return Err(Error::Node(index as usize));
+                let triangles = leaf_triangles(data, first, count).ok_or(Error::Node(index as usize))?;
+                if !data.leaves[first].holds(triangles) {
+                    return Err(Error::Leaf(first));
                 }
             } else {
                 if first <= index as usize || first >= data.nodes.len() {
@@ -338,6 +379,12 @@ fn check_tree(data: &SceneData) -> Result<(), Error> {
         }
     }
     Ok(())
+}
+
+/// The triangles of leaf number `leaf`, if it and they exist.
+fn leaf_triangles<'a>(data: &SceneData<'a>, leaf: usize, count: usize) -> Option<&'a [Triangle]> {
+    let start = data.leaves.get(leaf)?.first as usize;
+    if count > 8 { None } else { data.triangles.get(start..start.checked_add(count)?) }
 }
 
 fn material_is_valid(m: &Material, textures: usize) -> bool {

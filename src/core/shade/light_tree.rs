@@ -263,6 +263,9 @@ pub(crate) fn check(data: &SceneData<'_>) -> Result<(), Error> {
             return Err(Error::LightNode(i));
         }
     }
+    if !has_one_place_each(data) {
+        return Err(Error::LightTree);
+    }
     let rises = |i: usize| i == 0 || data.lights[i - 1].triangle < data.lights[i].triangle;
     match (0..data.lights.len()).find(|&i| !(rises(i) && is_held(data, i))) {
         Some(i) => Err(Error::LightPath(i)),
@@ -280,6 +283,17 @@ fn node_is_valid(data: &SceneData<'_>, index: usize, node: &LightNode8) -> bool 
         && node.power[..used].iter().all(|power| *power <= 1.0)
         && node.power[used..].iter().all(|power| *power == 0.0)
         && node.child[..used].iter().all(|&child| child_is_valid(child))
+}
+
+/// Whether as many children are lights as there are lights, and as many groups as there are nodes below the root. Together
+/// with a path to every light: there is no other way into the tree than to a light by its path.
+fn has_one_place_each(data: &SceneData<'_>) -> bool {
+    let used = |node: &LightNode8| node.power.iter().filter(|power| **power > 0.0).count();
+    let lights =
+        |node: &LightNode8| node.child[..used(node)].iter().filter(|child| **child & LIGHT_LEAF != 0).count();
+    let all: usize = data.light_nodes.iter().map(used).sum();
+    let leaves: usize = data.light_nodes.iter().map(lights).sum();
+    leaves == data.lights.len() && all - leaves == data.light_nodes.len() - 1
 }
 
 /// Whether the path of light `index` leads to it through groups that hold it.
