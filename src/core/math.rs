@@ -1,7 +1,7 @@
 //! Transcendental functions, eight lanes at a time: the one door through which the core computes them.
 //!
 //! Own polynomials made of `+ − × ÷` and bit operations only, without fused multiply-add, so that the same
-//! bits come out of every processor and of every `wide` back end. Errors stated are measured by the tests.
+//! bits come out of every processor and of every `wide` back end (a test pins them). Errors stated are measured by the tests.
 
 use bytemuck::cast;
 use core::f32::consts::{LN_2, TAU};
