@@ -95,6 +95,21 @@ fn specular_objects_vanish_in_a_furnace() {
     }
 }
 
+/// Walls of albedo ½ around a perfect mirror: 1/(1 − ½) everywhere, since no two bounces in a row are mirrored and depth
+/// 80 cuts off less than 2⁻³⁹. Packets hold rays that hit walls beside rays that hit the mirror: neither may take
+/// anything from the other's material.
+#[test]
+fn mirrors_do_not_change_walls() {
+    let wall = Material { diffuse: [0.5; 3], emission: [1.0; 3], ..Material::default() };
+    let mirror = Material { scattering: Scattering::Mirror, specular: [1.0; 3], ..Material::default() };
+    for roughness in [0.4, 1.0] {
+        let wall = Material { roughness, ..wall };
+        for measured in furnace(&box_of(wall, &block(0.35), mirror), 80) {
+            assert_near(measured, 2.0, &format!("walls of unused roughness {roughness} around a mirror"));
+        }
+    }
+}
+
 fn glossy_block(roughness: f32) -> Owned {
     let wall = Material { diffuse: [0.0; 3], emission: [1.0; 3], ..Material::default() };
     let glossy = Material { diffuse: [0.0; 3], specular: [1.0; 3], roughness, ..Material::default() };

@@ -72,6 +72,9 @@ impl Rough {
         let cosine = (incoming.z * f32x8::splat(FRAC_1_PI)) & above;
         let (mut value, mut density) = (self.diffuse * cosine, cosine);
         if self.has_lobe {
+            // Schlick's reflectance reaches 1 even where `specular` is 0: a lane without a lobe must not get one from
+            // the others of its packet.
+            let above = above & self.lobe.simd_gt(f32x8::ZERO);
             let (lobe_value, lobe_density) = self.lobe(incoming);
             value = value + Vec3x8::select(above, lobe_value, Vec3x8::default());
             density = density * (f32x8::ONE - self.lobe) + ((lobe_density * self.lobe) & above);
