@@ -86,7 +86,7 @@ pub fn powf(x: f32x8, y: f32x8) -> f32x8 {
     exp2(y * log2(x))
 }
 
-/// Sine and cosine of 2π`turn`, `turn` in [0, 1]; absolute error below 2e-7.
+/// Sine and cosine of 2π`turn`, `turn` in [−1, 1]; absolute error below 2e-7.
 #[inline]
 pub fn sin_cos_turn(turn: f32x8) -> (f32x8, f32x8) {
     let quarter = (turn * f32x8::splat(4.0)).round_ties_even();
@@ -133,8 +133,8 @@ mod tests {
         assert!(worst(-125.9, 126.9, exp2_rough, libm::exp2, relative) < 3e-6);
         assert!(worst(1e-3, 40.0, log2_rough, libm::log2, |e| e.abs().max(1.0)) < 2e-5);
         assert!(worst(1e-37, 1e38, log2, libm::log2, |e| e.abs().max(1.0)) < 1.2e-7);
-        assert!(worst(0.0, 1.0, |x| sin_cos_turn(x).0, |u| libm::sin(u * TAU), absolute) < 2e-7);
-        assert!(worst(0.0, 1.0, |x| sin_cos_turn(x).1, |u| libm::cos(u * TAU), absolute) < 2e-7);
+        assert!(worst(-1.0, 1.0, |x| sin_cos_turn(x).0, |u| libm::sin(u * TAU), absolute) < 2e-7);
+        assert!(worst(-1.0, 1.0, |x| sin_cos_turn(x).1, |u| libm::cos(u * TAU), absolute) < 2e-7);
         let power = |x| powf(x, f32x8::splat(2.7));
         assert!(worst(0.01, 50.0, power, |x| libm::pow(x, f64::from(2.7f32)), |e| e * 20.0) < 2e-7);
     }
@@ -147,5 +147,16 @@ mod tests {
         let at = |x: f32| exp2(f32x8::splat(x)).to_array()[0];
         assert_eq!((at(0.0), at(-3.0), at(10.0)), (1.0, 0.125, 1024.0));
         assert_eq!((at(-1e9), at(1e9)), (f32::MIN_POSITIVE, 1.701_411_8e38));
+        let at = |turn: f32| {
+            let (sin, cos) = sin_cos_turn(f32x8::splat(turn));
+            (sin.to_array()[0], cos.to_array()[0])
+        };
+        assert_eq!((at(0.0), at(0.25), at(0.5), at(0.75), at(1.0)), (EAST, NORTH, WEST, SOUTH, EAST));
+        assert_eq!((at(-0.25), at(-0.5), at(-0.75), at(-1.0)), (SOUTH, WEST, NORTH, EAST));
     }
+
+    const EAST: (f32, f32) = (0.0, 1.0);
+    const NORTH: (f32, f32) = (1.0, 0.0);
+    const WEST: (f32, f32) = (0.0, -1.0);
+    const SOUTH: (f32, f32) = (-1.0, 0.0);
 }

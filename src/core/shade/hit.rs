@@ -144,3 +144,6 @@ fn neighbours(u: f32, size: u32) -> (u32, u32, f32) {
     let first = if below < 0.0 { size - 1 } else { (below as u32).min(size - 1) };
     (first, (first + 1) % size, position - below)
 }
+
+#[cfg(test)]
+mod tests;

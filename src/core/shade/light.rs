@@ -87,8 +87,10 @@ pub(super) struct LightPoints {
     pub normal: Vec3x8,
     /// Emitted radiance.
     pub radiance: Vec3x8,
-    /// Density per unit area.
+    /// Density per unit area; where lights are picked by power, what it would be if the table were not rounded.
     pub density: f32x8,
+    /// Density per unit area, exactly that with which lights are picked.
+    pub exact_density: f32x8,
     /// Distance from the light at which rays that leave it start.
     pub clearance: f32x8,
 }
@@ -127,12 +129,13 @@ impl<'a> Lights<'a> {
         let radiance = fetch::materials(data, material).emission;
         let across = (b - a).cross(c - a);
         let inverse = f32x8::ONE / across.length();
+        let exact_density = picked.probability * f32x8::splat(2.0) * inverse;
         let density = match self.tree {
-            Some(_) => picked.probability * f32x8::splat(2.0) * inverse,
+            Some(_) => exact_density,
             None => luminance8(radiance) * f32x8::splat(self.inverse_power),
         };
         let clearance = hit::largest([a, b, c]) * f32x8::splat(hit::CLEARANCE);
-        LightPoints { position, normal: across * inverse, radiance, density, clearance }
+        LightPoints { position, normal: across * inverse, radiance, density, exact_density, clearance }
     }
 }
 
@@ -173,8 +176,13 @@ fn by_power(data: &SceneData<'_>, u: f32x8) -> Picked {
     let above = f32x8::from(picked.map(|i| data.lights[i].cumulative));
     // The number that picked the triangle is stretched over its share and serves again.
     let again = ((f32x8::from(u) - below) / (above - below)).fast_max(f32x8::ZERO).fast_min(f32x8::ONE);
-    Picked { light: picked.map(|i| i as u32), probability: above - below, again }
+    // Random numbers go by steps: what counts is how many of them fall on the share.
+    let steps = (above * f32x8::splat(STEPS)).ceil() - (below * f32x8::splat(STEPS)).ceil();
+    Picked { light: picked.map(|i| i as u32), probability: steps * f32x8::splat(1.0 / STEPS), again }
 }
+
+/// How many values a coordinate of [`sobol`](crate::sobol) has.
+const STEPS: f32 = (1 << 24) as f32;
 
 /// Whether to look for the lights that a ray meets one by one, before what may be in between.
 #[inline(always)]

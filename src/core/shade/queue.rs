@@ -204,3 +204,6 @@ fn octants(d: Vec3x8) -> [u32; 8] {
         |v: f32x8, bit: u32| bytemuck::cast::<_, u32x8>(v.simd_lt(f32x8::ZERO)) & u32x8::splat(bit);
     (negative(d.x, 1) | negative(d.y, 2) | negative(d.z, 4)).to_array()
 }
+
+#[cfg(test)]
+mod tests;

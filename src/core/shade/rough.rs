@@ -147,3 +147,6 @@ pub(super) fn cosine_direction(u: f32x8, v: f32x8) -> Vec3x8 {
     let (x, y) = (wide.select(cos, sin) * radius, wide.select(sin, cos) * radius);
     Vec3x8::new(x, y, (one - x * x - y * y).fast_max(f32x8::ZERO).sqrt())
 }
+
+#[cfg(test)]
+mod tests;

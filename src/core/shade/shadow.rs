@@ -90,3 +90,6 @@ pub(super) fn accumulate(radiance: &mut [Rgb8], slot: u32x8, value: Vec3x8, mut 
         out.b.as_mut_array()[at] += value[2][lane];
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -50,3 +50,6 @@ fn fresnel(cos_in: f32x8, cos_out: f32x8, eta: f32x8) -> f32x8 {
     let perpendicular = (eta * cos_in - cos_out) / (eta * cos_in + cos_out);
     f32x8::HALF * (parallel * parallel + perpendicular * perpendicular)
 }
+
+#[cfg(test)]
+mod tests;
