@@ -130,7 +130,8 @@ fn main() {
             let [continued, pooled] = measure(*function, Sequence::Continued, spp, error);
             let [fresh, _] = measure(*function, Sequence::Fresh, spp, error);
             let cell = |(bias, error): (f64, f64)| format!("{bias:+.3} ± {error:.3} %");
-            let errors = |(bias, error): (f64, f64)| format!("{:+.1}", bias / error);
+            // Where nothing is left to chance the rest is rounding.
+            let errors = |(bias, error): (f64, f64)| format!("{:+.1}", bias / error.max(1e-4));
             println!(
                 "| {name} | {spp} | {} | {} | {} | {} | {} |",
                 cell(continued),

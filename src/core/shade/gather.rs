@@ -254,6 +254,7 @@ impl<'a> Wavefront<'a> for Gather<'a> {
             scatter_specular(&mut next, &surface, choice);
             next.density = (specular & gathering).select(f32x8::ZERO, next.density);
         }
+        path::reject_nan(&next, rough | specular, radiance);
         let alive = survivors(&mut next, rough | specular, depth);
         next.origin = surface.leave(next.direction);
         self.paths.queue.push(&next, alive.to_bitmask());
