@@ -1,8 +1,8 @@
 //! The picture that all others are measured by: rendered once, kept beside the report.
 //!
 //! The file `reference.exr` names, as attributes, its samples a pixel and a hash (BLAKE3) of everything its light
-//! depends on: geometry, materials, textures as loaded, camera, size, integrator, depth, and this program's version. It is
-//! used again only if both are those asked for. A sequence has one for each frame, `reference.0001.exr` and so on.
+//! depends on: geometry, materials, textures as loaded, camera, size, integrator, depth, this program's version and
+//! [`PICTURE_VERSION`], which is raised with every change of the picture. It is used again only if both are those asked for. A sequence has one for each frame, `reference.0001.exr` and so on.
 
 use crate::error::Error;
 use crate::frame_io::{self, Picture};
@@ -11,6 +11,7 @@ use crate::render;
 use crate::scene::LoadedScene;
 use crate::sequence;
 use crate::settings::{Method, Settings};
+use crate::version::PICTURE_VERSION;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -21,7 +22,7 @@ const SEED: u32 = u32::MAX;
 /// Attribute with the hash.
 const HASH: &str = "scene_hash";
 /// What the hash begins with, so that another version or another meaning of its parts gives another hash.
-const FORMAT: &str = concat!("pmcip ", env!("CARGO_PKG_VERSION"), " reference 2");
+const FORMAT: &str = concat!("pmcip ", env!("CARGO_PKG_VERSION"), " reference 3");
 
 /// Where the reference came from.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -101,7 +102,10 @@ impl Reference {
         }
         let picture = frame_io::read_exr(file).map_err(|error| error.to_string())?;
         if picture.attributes.get(HASH) != Some(&fingerprint(scene, settings)) {
-            return Err(format!("{} shows another scene, size, integrator, depth or camera", file.display()));
+            return Err(format!(
+                "{} shows another scene, size, integrator, depth or camera, or is of another version",
+                file.display()
+            ));
         }
         let known = picture.attributes.get("spp").map_or("unknown", String::as_str);
         if known != spp.to_string() {
@@ -163,6 +167,7 @@ pub fn fingerprint(scene: &LoadedScene, settings: &Settings) -> String {
         hash.update(part);
     };
     add(FORMAT.as_bytes());
+    add(&PICTURE_VERSION.to_le_bytes());
     add(bytemuck::cast_slice(&scene.triangles));
     add(bytemuck::cast_slice(&scene.surfaces));
     add(bytemuck::cast_slice(&scene.materials));
