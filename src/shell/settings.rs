@@ -18,7 +18,7 @@ mod list;
 pub use list::word;
 
 use crate::scene::{LoadedScene, View};
-use crate::stop::{Growth, Target};
+use crate::stop::{Growth, LEAST_SPP, PILOT_SPP, Target};
 use clap::ValueEnum;
 use pmcip_core::estimate::Estimator;
 use pmcip_core::sampler::{self, Schedule, Sequence};
@@ -216,6 +216,27 @@ impl Settings {
             Method::Uniform => self.spp - part * self.iterations.saturating_sub(1),
             Method::Paper => (self.spp / 4).max(1),
         }
+    }
+
+    /// The core's settings for a frame whose first iteration has `pilot` samples a pixel: as many samples are fair as every
+    /// pixel is promised before the frame can end.
+    fn core(&self, pilot: u32) -> sampler::Settings {
+        let (pilot, least) = match self.target {
+            Some(_) => (PILOT_SPP.min(pilot), self.spp.min(LEAST_SPP as u32)),
+            None => (pilot, self.spp),
+        };
+        let promised = self.sampler.defensive * least.saturating_sub(pilot) as f32;
+        sampler::Settings { fair: pilot + promised as u32, ..self.sampler }
+    }
+
+    /// The core's settings for a frame.
+    pub fn film(&self) -> sampler::Settings {
+        self.core(self.pilot())
+    }
+
+    /// The same for a frame that starts from a prediction.
+    pub fn predicted_film(&self) -> sampler::Settings {
+        if self.method == Method::Pmc { self.core(1) } else { self.film() }
     }
 
     /// Samples of each iteration, at most.

@@ -13,7 +13,7 @@ use std::fmt;
 impl Settings {
     /// Every setting by name, for reports and for the EXR file.
     pub fn list(&self) -> Map<String, Value> {
-        let Settings { spp, iterations, method, sampler, integrator, max_depth, view, startup, target } =
+        let Settings { spp, iterations, method, sampler: _, integrator, max_depth, view, startup, target } =
             *self;
         let View { from, at, up, fov } = view;
         let list = json!({
@@ -29,7 +29,7 @@ impl Settings {
             "startup": word(startup),
         });
         let mut list = object(list);
-        list.extend(of_sampler(&sampler));
+        list.extend(of_sampler(&self.film()));
         list.extend(of_integrator(integrator));
         if let Some(Target { err, expected_spp }) = target {
             // Iterations then grow with what has been spent.
@@ -58,6 +58,7 @@ fn of_sampler(settings: &sampler::Settings) -> Map<String, Value> {
         gamma,
         epsilon,
         defensive,
+        fair,
         balance_radius,
     } = *settings;
     object(json!({
@@ -74,6 +75,7 @@ fn of_sampler(settings: &sampler::Settings) -> Map<String, Value> {
         "gamma": short(gamma),
         "epsilon": short(epsilon),
         "defensive": short(defensive),
+        "fair": fair,
         "balance_radius": balance_radius,
     }))
 }
