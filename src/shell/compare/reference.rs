@@ -133,7 +133,7 @@ impl Reference {
     /// Renders the reference in [`parts`] and keeps it in `file`.
     ///
     /// # Errors
-    /// As [`render::render`], and [`Error::Write`].
+    /// As [`parts::render`], and [`Error::Write`].
     pub fn render(
         file: &Path,
         scene: &LoadedScene,
