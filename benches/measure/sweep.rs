@@ -38,7 +38,7 @@ fn variants(spp: u32) -> Vec<Variant> {
     for part in [0.125, 0.375, 0.5] {
         add(format!("defensive {part}"), Box::new(move |s| s.sampler.defensive = part));
     }
-    for radius in [12, 36, 48, 72] {
+    for radius in [12, 24, 96] {
         add(format!("balance radius {radius}"), Box::new(move |s| s.sampler.balance_radius = radius));
     }
     add("fresh sequences".into(), Box::new(|s| s.sampler.sequence = Sequence::Fresh));
