@@ -354,7 +354,8 @@ pub(super) fn scatter(
     let (value, density) = bsdf.evaluate(incoming);
     let weight = value * (f32x8::ONE / density);
     let none = Vec3x8::default();
-    let throughput = Vec3x8::select(density.simd_gt(f32x8::ZERO), next.throughput.scaled(weight), none);
+    // Not "above 0": a density that is not a number must not end the path like one of zero (see `reject_nan`).
+    let throughput = Vec3x8::select(density.simd_le(f32x8::ZERO), none, next.throughput.scaled(weight));
     next.throughput = Vec3x8::select(rough, throughput, next.throughput);
     next.direction = Vec3x8::select(rough, frame.to_world(incoming), next.direction);
     next.density = rough.select(density, next.density);
@@ -376,12 +377,14 @@ pub(super) fn scatter_specular(next: &mut Paths, surface: &SurfacePoints, choice
     next.compression = glass.select(next.compression * through.compression, next.compression);
 }
 
-/// Makes the radiance of samples whose path, in the lanes of `hit`, carries what is not a number NaN, so that the film
-/// rejects and counts them: the path itself ends without a word, since NaN is not above 0.
+/// Makes the radiance of samples whose path, in the lanes of `hit`, carries what is not a number, or goes there, NaN, so
+/// that the film rejects and counts them: the path itself ends without a word, since NaN is not above 0 and a ray
+/// without a direction hits nothing.
 #[inline(always)]
 pub(super) fn reject_nan(paths: &Paths, hit: f32x8, radiance: &mut [Rgb8]) {
-    let carried = paths.throughput.x + paths.throughput.y + paths.throughput.z;
-    let lost = hit & !carried.simd_eq(carried);
+    let sum = |v: Vec3x8| v.x + v.y + v.z;
+    let all = sum(paths.throughput) + sum(paths.direction);
+    let lost = hit & !all.simd_eq(all);
     if lost.any() {
         super::shadow::accumulate(radiance, paths.slot, Vec3x8::splat([f32::NAN; 3]), lost.to_bitmask());
     }
@@ -441,3 +444,6 @@ impl Frame {
         self.tangent * v.x + self.bitangent * v.y + self.normal * v.z
     }
 }
+
+#[cfg(test)]
+mod tests;
