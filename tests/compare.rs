@@ -46,7 +46,7 @@ fn json(path: &Path) -> Value {
 const QUICK: &str = "--spp 2,4 --runs 2 --reference-spp 64 -o report";
 
 /// The columns that everybody may rely on, but for words.
-const NUMBERS: [&str; 12] = [
+const NUMBERS: [&str; 13] = [
     "spp",
     "iterations",
     "seconds",
@@ -58,6 +58,7 @@ const NUMBERS: [&str; 12] = [
     "rel_mse_trimmed",
     "energy_bias",
     "energy_bias_stderr",
+    "energy_bias_ci95",
     "runs",
 ];
 
@@ -84,7 +85,16 @@ fn a_report_has_its_files_and_its_numbers() {
         assert!((number("p_eff") * number("seconds") * number("err") - 1.0).abs() < 1e-9, "{row}");
         assert_eq!((number("runs"), row["seeds"].as_array().unwrap().len()), (2.0, 2));
         assert!(row["stderr"]["err"].as_f64().unwrap() > 0.0, "{row}");
+        let reference = report["reference"]["noise_energy"].as_f64().unwrap();
+        assert!(number("energy_bias_stderr") > reference * (1.0 + number("energy_bias")) * 0.999, "{row}");
+        let t = number("energy_bias_ci95") / number("energy_bias_stderr");
+        // Two runs have one degree of freedom, a reference of eight parts seven.
+        assert!((2.36..12.71).contains(&t), "{t}");
     }
+    let reference = &report["reference"];
+    let number = |name: &str| reference[name].as_f64().unwrap();
+    assert_eq!(reference["noise_source"], "parts");
+    assert!((number("noise_energy_ci95") / number("noise_energy") - 2.3646).abs() < 1e-4);
     assert_eq!((&rows[0]["estimator"], &rows[4]["estimator"]), (&"pooled".into(), &"balanced".into()));
     assert!(report["oracle_ratio"].as_f64().unwrap() >= 1.0);
     assert_eq!(report["settings"]["width"], 24);
@@ -177,7 +187,14 @@ fn any_picture_of_the_right_size_can_be_the_reference() {
     }
     let options = "--spp 2 --runs 1 -o report --reference";
     success(path, &format!("{options} fits.exr"));
-    assert!(json(&path.join("report/report.json"))["oracle_ratio"].is_null());
+    let report = json(&path.join("report/report.json"));
+    assert!(report["oracle_ratio"].is_null());
+    assert!(report["reference"]["noise_source"].is_null(), "nothing tells its noise");
+    let page = fs::read_to_string(path.join("report/report.html")).unwrap();
+    assert!(page.contains("its own noise is unknown, and no ± contains it"));
+    // A single run is known by the variance of its pixels, as if that were exact.
+    let number = |name: &str| report["rows"][0][name].as_f64().unwrap();
+    assert!((number("energy_bias_ci95") / number("energy_bias_stderr") - 1.96).abs() < 1e-4);
     assert!(!path.join("report/reference.exr").exists());
     for (more, words) in [
         (&*format!("{options} narrow.exr"), "the reference 12×16"),

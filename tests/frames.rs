@@ -1,6 +1,6 @@
 //! `render --frames` from outside: names, resuming, what is never overwritten, videos.
 
-use pmcip::frame_io::read_exr;
+use pmcip::frame_io::{read_exr, write_exr};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
@@ -110,7 +110,7 @@ fn frames_made_otherwise_are_not_lost() {
     failure(path, "render walk.toml --frames 1..2 --seed 9", 2, "seed was '0', now it is '9'");
     fs::write(path.join("walk.toml"), SCENE.replace("[materials.m]", "[materials.m]\ndiffuse = [1, 0, 0]"))
         .unwrap();
-    failure(path, "render walk.toml --frames 2..3", 2, "the scene was another");
+    failure(path, "render walk.toml --frames 2..3", 2, "the scene or the program was another");
     assert_eq!(before, bytes(path, "walk.0002.exr"));
     success(path, "render walk.toml --frames 1..2 --overwrite");
     assert_ne!(before, bytes(path, "walk.0002.exr"));
@@ -200,4 +200,17 @@ fn without_ffmpeg_there_are_pictures_and_a_clear_word() {
     let words = "error: no video: the program ffmpeg is not installed; the frames are complete";
     failure(room.path(), "render walk.toml --frames 1..2 --video walk.mp4", 1, words);
     assert!(room.path().join("walk.0002.png").exists() && !room.path().join("walk.mp4").exists());
+}
+
+#[test]
+fn a_frame_of_another_criterion_is_another_frame() {
+    let room = room();
+    let options = "render walk.toml --frames 2..2";
+    success(room.path(), options);
+    let file = room.path().join("walk.0002.exr");
+    let mut picture = read_exr(&file).unwrap();
+    let asked = picture.attributes.insert("criterion".into(), "sample".into());
+    assert_eq!(asked.as_deref(), Some("mean"));
+    write_exr(&file, &picture).unwrap();
+    failure(room.path(), options, 2, "is another frame: criterion was 'sample', now it is 'mean'");
 }

@@ -2,14 +2,18 @@
 //!
 //! Inside, light that was scattered k times contributes ρᵏ, so paths of up to D segments see Σ ρᵏ, k < D, in
 //! every pixel. The tests take the mean over many pixels; tolerances are 4 standard errors (6e-5 two-sided, for
-//! 20 comparisons in all: 0.13 % that any correct one fails), with the standard error from independent renders.
+//! 45 comparisons in all: 0.3 % that any correct one fails), with the standard error from independent renders.
 
 mod common;
 
 use common::{Owned, inward_box, mean_and_error, render};
+use pmcip_core::batch::{Batch8, Integrand, Rgb8};
 use pmcip_core::camera::Camera;
 use pmcip_core::sampler::{Schedule, Settings};
-use pmcip_core::scene::{Material, Scattering, Triangle};
+use pmcip_core::scene::{MIN_ROUGHNESS, Material, Scattering, Scene, SceneData, Surface, Texture, Triangle};
+use pmcip_core::shade::direct::{DirectLighting, Samples};
+use pmcip_core::shade::path::PathTracer;
+use wide::f32x8;
 
 const SIDE: u32 = 16;
 
@@ -116,15 +120,64 @@ fn glossy_block(roughness: f32) -> Owned {
     box_of(wall, &block(0.35), glossy)
 }
 
-/// A GGX lobe never reflects more than arrives, and a narrow one loses little to single scattering.
+/// A GGX lobe never reflects more than arrives, and a narrow one loses little to single scattering, however narrow.
 #[test]
 fn glossy_objects_add_no_light() {
-    for (roughness, least) in [(0.05, 0.99), (0.3, 0.8), (1.0, 0.3)] {
+    let narrow = [MIN_ROUGHNESS, 1e-5, 1e-4, 1e-3, 1e-2].map(|roughness| (roughness, 0.998));
+    for (roughness, least) in narrow.into_iter().chain([(0.05, 0.99), (0.3, 0.8), (1.0, 0.3)]) {
         for (mean, error) in furnace(&glossy_block(roughness), 30) {
             assert!(mean <= 1.0 + 4.0 * error + 1e-5, "α {roughness} adds light: {mean} ± {error}");
             assert!(mean >= least - 4.0 * error, "α {roughness} loses light: {mean} ± {error}");
         }
     }
+}
+
+/// What an integrator makes of the middle of a picture of `data`.
+fn middle<'a, I: Integrand>(data: SceneData<'a>, integrator: impl FnOnce(Scene<'a>, Camera) -> I) -> Rgb8 {
+    let camera = Camera::new([0.1, 0.2, 0.8], [0.0; 3], [0.0, 1.0, 0.0], 60.0, SIDE, SIDE).unwrap();
+    let (x, y) = (f32x8::splat(7.5), f32x8::splat(3.5));
+    let batch = Batch8 { lanes: 8, x, y, ..Batch8::default() };
+    integrator(Scene::new(data).unwrap(), camera).radiance(&batch)
+}
+
+/// Light that is not a number does not end a path silently: the sample is NaN, which the film rejects and counts.
+#[test]
+fn what_is_not_a_number_is_seen() {
+    let wall = Material { emission: [1.0; 3], ..Material::default() };
+    let owned = box_of(wall, &[], wall);
+    let materials = [Material { texture: 0, ..wall }; 2];
+    let (textures, texels) = ([Texture { width: 1, height: 1, first: 0 }], [[0.5, f32::NAN, 0.5]]);
+    let (textures, texels) = (&textures[..], &texels[..]);
+    let broken = SceneData { materials: &materials, textures, texels, ..*owned.scene().data() };
+    let (mut packets, mut more) = (common::packets(), common::packets());
+    let samples = Samples { light: 2, bsdf: 2 };
+    let seen = [
+        middle(broken, |scene, camera| PathTracer::new(scene, camera, 3, &mut packets)),
+        middle(broken, |scene, camera| DirectLighting::new(scene, camera, 2, samples, &mut more)),
+    ];
+    for rgb in seen {
+        assert!(rgb.g.is_nan().all(), "{rgb:?}");
+    }
+}
+
+/// Nor where no lamp is aimed at and the density itself is not a number, or the surface has no direction.
+#[test]
+fn what_is_not_a_number_is_seen_without_lamps() {
+    let dark = Material { specular: [0.04; 3], roughness: 0.3, ..Material::default() };
+    let owned = box_of(dark, &[], dark);
+    let sound = *owned.scene().data();
+    let materials = [Material { texture: 0, ..dark }; 2];
+    let (textures, texels) = ([Texture { width: 1, height: 1, first: 0 }], [[f32::NAN; 3]]);
+    let (textures, texels) = (&textures[..], &texels[..]);
+    let normals = [[f32::INFINITY; 3]; 3];
+    let surfaces: Vec<_> = sound.surfaces.iter().map(|s| Surface { normals, ..*s }).collect();
+    let mut packets = common::packets();
+    let mut seen = |data| middle(data, |scene, camera| PathTracer::new(scene, camera, 3, &mut packets));
+    assert_eq!(seen(sound), Rgb8::default());
+    let coloured = seen(SceneData { materials: &materials, textures, texels, ..sound });
+    assert!(coloured.r.is_nan().all(), "{coloured:?}");
+    let turned = seen(SceneData { surfaces: &surfaces, ..sound });
+    assert!(turned.r.is_nan().all(), "{turned:?}");
 }
 
 /// Straight on, a GGX surface of α = 1 reflects ∫ 2i/(1 + i) over half vectors of density cos θ/π, where

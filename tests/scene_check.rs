@@ -1,8 +1,8 @@
 //! `Scene::new` refuses what would lead a ray astray, and names it; the light table follows power.
 
 use pmcip_core::scene::{
-    Error, Leaf8, Light, LightNode8, MAX_DEPTH, Material, NO_TEXTURE, Node8, Scene, SceneData, Surface,
-    Texture, Triangle,
+    Error, Leaf8, Light, LightNode8, MAX_DEPTH, MIN_ROUGHNESS, Material, NO_TEXTURE, Node8, Scene, SceneData,
+    Surface, Texture, Triangle,
 };
 use pmcip_core::shade::light;
 
@@ -110,6 +110,7 @@ fn every_fault_is_named() {
     assert_eq!(fault(|p| p.materials[0].diffuse[1] = 1.5), Error::Material(0));
     assert_eq!(fault(|p| p.materials[0].emission[0] = f32::NAN), Error::Material(0));
     assert_eq!(fault(|p| p.materials[0].roughness = 0.0), Error::Material(0));
+    assert_eq!(fault(|p| p.materials[0].roughness = 0.9 * MIN_ROUGHNESS), Error::Material(0));
     assert_eq!(fault(|p| p.materials[0].texture = 1), Error::Material(0));
     assert_eq!(fault(|p| p.textures[0].width = 3), Error::Texture(0));
     assert_eq!(fault(|p| p.textures[0].height = 0), Error::Texture(0));

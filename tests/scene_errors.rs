@@ -170,6 +170,12 @@ fn values_out_of_range_name_key_and_line() {
     );
     let red = "[materials.red]\ndiffuse = [2, 0, 0]\n";
     toml_fails(red, "s.toml:2: expected three numbers from 0 to 1 in `materials.red.diffuse`");
+    for roughness in ["0", "9e-7", "1.01", "nan"] {
+        toml_fails(
+            &format!("[materials.red]\nroughness = {roughness}\n"),
+            "s.toml:2: expected a number from 0.000001 to 1 in `materials.red.roughness`",
+        );
+    }
     toml_fails("[film\n", "s.toml:1: unclosed table, expected `]`");
 }
 

@@ -3,7 +3,7 @@
 mod scene_files;
 
 use pmcip::scene::{LoadedScene, load};
-use pmcip_core::scene::{Material, NO_TEXTURE, Scattering, Scene};
+use pmcip_core::scene::{MIN_ROUGHNESS, Material, NO_TEXTURE, Scattering, Scene};
 use scene_files::{SQUARE, folder, load_files};
 
 /// The material of an OBJ that uses one called `m`.
@@ -68,6 +68,15 @@ fn material_values_arrive() {
     );
     assert!((rough.roughness - 0.1).abs() < 1e-6);
     assert!(warnings.is_empty(), "{warnings:?}");
+}
+
+/// Exponents of which the lobe would be narrower than the core can make it, and those below 0.
+#[test]
+fn lobes_stay_within_the_range_of_widths() {
+    for (exponent, width) in [("1e30", MIN_ROUGHNESS), ("2e12", MIN_ROUGHNESS), ("2e8", 1e-4), ("-3", 1.0)] {
+        let (rough, _) = material(&format!("Ks 1 1 1\nNs {exponent}\n"));
+        assert!((rough.roughness / width - 1.0).abs() < 1e-6, "Ns {exponent}: {}", rough.roughness);
+    }
 }
 
 /// Whatever an MTL file holds, what is accepted must be a scene to the core.

@@ -1,10 +1,9 @@
 //! Does adaptive sampling keep the energy of `caustic`? Many independent renders of 16 samples a pixel.
 //!
 //! From the energy of each render that of a uniform one of the same seed is subtracted. Uniform sampling is unbiased, since
-//! nothing it sees decides anything, and its points are the scheduled ones of the adaptive render: common random numbers,
-//! so that few renders tell what took many. `balanced` must lie within 3 standard errors of zero (0.3 % that a correct
-//! estimator fails, by seed; seeds are fixed), and the standard error must be at most 0.05 %, so that the claim means
-//! something. `pooled`, from the same films, and the published method are the negative controls: both must be seen to lose
+//! nothing it sees decides anything, and its samples are the fair ones of the adaptive render: of `balanced` nothing may be
+//! left but rounding, and a few hits that depend on the other rays of their packet (see `shade::path`); 0.02 % a render
+//! at most. `pooled`, from the same films, and the published method are the negative controls: both must be seen to lose
 //! energy by more than 5 standard errors.
 
 mod common;
@@ -22,9 +21,9 @@ use std::path::Path;
 
 const SIDE: u32 = 48;
 const SPP: u32 = 16;
-const RUNS: u32 = 600;
-/// Scheduled samples of a pixel: two of the first iteration, one of each other.
-const SCHEDULED: u32 = 9;
+const RUNS: u32 = 100;
+/// Fair samples of a pixel: two of the first iteration, and a third of the others.
+const FAIR: u32 = 6;
 
 fn energy<'a>(rgb: impl ExactSizeIterator<Item = &'a [f32; 3]>) -> f64 {
     let pixels = rgb.len() as f64;
@@ -66,15 +65,15 @@ fn adaptive_sampling_keeps_the_energy_of_a_caustic() {
             |seed| energy(render(&scene, &settings(method, spp, seed), Some(1), &|_| ()).unwrap().rgb.iter());
         (0..RUNS).into_par_iter().map(one).collect::<Vec<f64>>()
     };
-    let uniform = plain(Method::Uniform, SCHEDULED);
+    let uniform = plain(Method::Uniform, FAIR);
     let adaptive = (0..RUNS).into_par_iter();
     let adaptive: Vec<[f64; 2]> =
         adaptive.map(|seed| balanced_and_pooled(&scene, &settings(Method::Pmc, SPP, seed))).collect();
 
-    let (balanced, error) = bias(adaptive.iter().map(|pair| pair[0]), &uniform);
-    println!("balanced: {:+.3} % ± {:.3}", 100.0 * balanced, 100.0 * error);
-    assert!(error <= 0.0005, "the standard error {error} is too large to tell");
-    assert!(balanced.abs() <= 3.0 * error, "balanced is biased: {balanced} ± {error}");
+    let off = adaptive.iter().zip(&uniform).map(|(pair, uniform)| (pair[0] / uniform - 1.0).abs());
+    let worst = off.fold(0.0, f64::max);
+    println!("balanced: {:.5} % at most", 100.0 * worst);
+    assert!(worst < 2e-4, "balanced is not what uniform sampling makes of the fair samples: {worst}");
     let pooled = bias(adaptive.iter().map(|pair| pair[1]), &uniform);
     let paper = bias(plain(Method::Paper, SPP).into_iter(), &uniform);
     for (name, (bias, error)) in [("pooled", pooled), ("paper", paper)] {

@@ -75,15 +75,15 @@ fn energies(function: Function, settings: Settings, schedule: Schedule, wanted: 
 fn run(function: Function, sequence: Sequence, spp: u32, seed: u32) -> [f64; 2] {
     let iterations = (spp / 2).clamp(1, 16);
     let pilot = spp / iterations;
-    let scheduled = pilot + (iterations - 1) * (pilot / 4).max(1);
-    let adaptive = Settings { seed, sequence, ..Settings::new(SIDE, SIDE) };
+    let fair = pilot + (spp - pilot) / 3;
+    let adaptive = Settings { seed, sequence, fair, ..Settings::new(SIDE, SIDE) };
     let schedule = Schedule::new(PIXELS as u64, spp, pilot, iterations);
     let found = energies(function, adaptive, schedule, &[Estimator::Balanced, Estimator::Pooled]);
     let chance = match sequence {
         Sequence::Fresh => 1.0,
         Sequence::Continued => {
             let uniform = Settings { seed, ..Settings::uniform(SIDE, SIDE) };
-            let schedule = Schedule::new(PIXELS as u64, scheduled, scheduled, 1);
+            let schedule = Schedule::new(PIXELS as u64, fair, fair, 1);
             energies(function, uniform, schedule, &[Estimator::Pooled])[0]
         }
     };
@@ -130,7 +130,8 @@ fn main() {
             let [continued, pooled] = measure(*function, Sequence::Continued, spp, error);
             let [fresh, _] = measure(*function, Sequence::Fresh, spp, error);
             let cell = |(bias, error): (f64, f64)| format!("{bias:+.3} ± {error:.3} %");
-            let errors = |(bias, error): (f64, f64)| format!("{:+.1}", bias / error);
+            // Where nothing is left to chance the rest is rounding.
+            let errors = |(bias, error): (f64, f64)| format!("{:+.1}", bias / error.max(1e-4));
             println!(
                 "| {name} | {spp} | {} | {} | {} | {} | {} |",
                 cell(continued),

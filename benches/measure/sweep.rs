@@ -35,10 +35,10 @@ fn variants(spp: u32) -> Vec<Variant> {
     for epsilon in [0.0, 0.05, 0.1] {
         add(format!("ε {epsilon}"), Box::new(move |s| s.sampler.epsilon = epsilon));
     }
-    for part in [0.125, 0.375, 0.5] {
+    for part in [0.125, 0.25, 0.5] {
         add(format!("defensive {part}"), Box::new(move |s| s.sampler.defensive = part));
     }
-    for radius in [12, 36, 48, 72] {
+    for radius in [12, 24, 48] {
         add(format!("balance radius {radius}"), Box::new(move |s| s.sampler.balance_radius = radius));
     }
     add("fresh sequences".into(), Box::new(|s| s.sampler.sequence = Sequence::Fresh));

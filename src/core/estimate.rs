@@ -6,11 +6,9 @@
 //!   that has as many. Unbiased if each iteration's points are scrambled anew
 //!   ([`Sequence::Fresh`](crate::sampler::Sequence)); points that continue a sequence avoid where the last ones were,
 //!   and so hang together with what decided their number.
-//! - difference: D_p = Σ_s (b_s/B)·\[c + (S − c)/π\], the difference estimator of survey sampling (Cochran, *Sampling
-//!   techniques*, 1977, section 7.3, for a control c that is known). S is the mean of the pixel's b_s scheduled samples of
-//!   the iteration, B the sum of b_s, π = min(1, n'_p) the probability that they were drawn (where they were not, the
-//!   iteration contributes c), c the pixel's D of the iterations before. Unbiased in every pixel, since neither the points
-//!   of scheduled samples nor b_s depend on what was seen.
+//! - difference: D_p, the mean of the pixel's fair samples: its first ones, as many in every pixel, fixed before the
+//!   frame. Unbiased in every pixel, since nothing that was seen decides which these are, with any points; noisy, since
+//!   they are few.
 //! - balanced: C = Q + a·G((D − Q)/Gᵀa), G about a Gaussian of σ² = r(r + 1), reflected at the borders; a = √L(Q)
 //!   says how much a pixel takes of what its neighbourhood has lost. Whatever a and G are, ΣC = ΣD: the image's
 //!   energy is exactly unbiased, and the error is about Q's. G = UBV: V sums over cells of 8 × 8 pixels and is
@@ -34,7 +32,7 @@ pub enum Estimator {
     Pooled,
     /// The average of the iterations' pictures.
     Subframe,
-    /// Unbiased through scheduled samples and known probabilities, noisy where few samples are expected.
+    /// The mean of the fair samples: unbiased, and noisy, since they are few.
     Difference,
     /// Pooled, with the energy it lost given back to the neighbourhood by `Difference`.
     #[default]
@@ -50,15 +48,5 @@ impl Estimator {
             Estimator::Difference | Estimator::Balanced => 2,
         };
         other == Estimator::Pooled || plane(self) == plane(other)
-    }
-
-    /// How many of a pixel's `planned` samples, of which the first `scheduled` are scheduled, its own mean is made of.
-    #[inline(always)]
-    pub(crate) fn takes(self, scheduled: u32, planned: u32) -> u32 {
-        match self {
-            Estimator::Pooled => 0,
-            Estimator::Subframe => planned,
-            Estimator::Difference | Estimator::Balanced => scheduled.min(planned),
-        }
     }
 }

@@ -31,7 +31,7 @@ pub const BYTES_PER_PIXEL: usize = 4 * (WORDS + FLOATS);
 pub(crate) struct Planes<'a> {
     /// Samples in `mean`.
     pub count: &'a mut [u32],
-    /// Samples drawn so far that were not scheduled, rejected ones included: where the pixel's sequence goes on.
+    /// Samples drawn so far, rejected ones included: where the pixel's sequence goes on.
     pub drawn: &'a mut [u32],
     /// Samples planned for the current iteration that are not in the film yet.
     pub planned: &'a mut [u32],
@@ -39,7 +39,7 @@ pub(crate) struct Planes<'a> {
     pub mean: [&'a mut [f32]; 3],
     /// Sum of squared deviations of luminance from its mean.
     pub m2: &'a mut [f32],
-    /// The estimator's own mean, a plane a colour: of the scheduled samples, or of the iterations' pictures.
+    /// The estimator's own mean, a plane a colour: of the fair samples, or of the iterations' pictures.
     pub fair: [&'a mut [f32]; 3],
     /// Samples expected of the current iteration; while the kernel adapts, its weight.
     pub target: &'a mut [f32],

@@ -40,11 +40,11 @@ use crate::film::{FLOATS, Layout, Planes, WORDS};
 use crate::kernel::UNKNOWN;
 use crate::predict::{Belief, Prior};
 use crate::sobol::{PixelKeys, frame_key, hash};
-use scheduled::Scheduled;
+use fair::Fair;
 
+mod fair;
 mod job;
 mod schedule;
-mod scheduled;
 mod settings;
 pub use job::{Job, Jobs, MAX_RADIANCE, Tally, Workspace};
 pub use schedule::Schedule;
@@ -78,9 +78,10 @@ pub struct Sampler<'a> {
     iteration: u32,
     /// Samples of all iterations that have ended.
     samples: u64,
-    /// How the current or last iteration divided its samples, and which of them are scheduled.
+    /// What has been promised to every pixel.
+    fair: Fair,
+    /// How the current or last iteration divided its samples beyond that.
     mixture: Mixture,
-    scheduled: Scheduled,
     /// Samples of the running iteration, 0 if none is running.
     running: u64,
 }
@@ -110,8 +111,8 @@ impl<'a> Sampler<'a> {
             planes,
             iteration: 0,
             samples: 0,
+            fair: Fair::default(),
             mixture: Mixture { samples: 0, floor: 0.0, epsilon: 1.0 },
-            scheduled: Scheduled::default(),
             running: 0,
         })
     }
@@ -163,32 +164,50 @@ impl<'a> Sampler<'a> {
             return Err(Error::Samples);
         }
         let adaptive = self.settings.mode == Mode::Adaptive && self.iteration > 0;
-        let each = samples as f64 / self.layout.pixels() as f64;
+        let missing = self.promise(samples, adaptive);
         self.mixture = match adaptive {
-            true => Mixture { samples, floor: self.floor(each as f32), epsilon: self.settings.epsilon },
+            true => {
+                Mixture { samples: samples - missing, floor: self.floor(), epsilon: self.settings.epsilon }
+            }
             false => Mixture { samples, floor: 0.0, epsilon: 1.0 },
         };
-        self.scheduled = self.schedule(if adaptive { self.mixture.floor } else { each as f32 });
         let known = if adaptive { self.adapt(prior) } else { Known::default() };
         let offset = hash(frame_key(!self.settings.seed, self.settings.frame) ^ self.iteration);
         allocate_known(self.planes.target, self.planes.planned, self.mixture, offset, &known)?;
+        if missing > 0 {
+            for (i, (planned, drawn)) in self.planes.planned.iter_mut().zip(&*self.planes.drawn).enumerate() {
+                *planned += self.fair.missing(i, *drawn);
+            }
+        }
         self.running = samples;
         Ok(())
     }
 
-    /// m, samples that every pixel expects at least in an adaptive iteration of `each` a pixel.
-    fn floor(&self, each: f32) -> f32 {
-        let least = if self.settings.estimator == Estimator::Subframe { each.min(1.0) } else { 0.0 };
-        (self.settings.defensive * each).max(least)
+    /// Promises fair samples with an iteration of `samples`; returns how many pixels lack.
+    fn promise(&mut self, samples: u64, adaptive: bool) -> u64 {
+        let pixels = self.layout.pixels();
+        if self.iteration == 0 {
+            let uniform = self.settings.mode == Mode::Uniform;
+            let count = if uniform { u32::MAX } else { self.settings.fair };
+            self.fair = Fair::new(count, (samples / pixels as u64) as u32);
+        }
+        if !adaptive {
+            return 0;
+        }
+        let each = f64::from(self.settings.defensive) * samples as f64 / pixels as f64;
+        let next = self.fair.promise(each);
+        let missing = next.total(self.planes.drawn);
+        // What is due to few pixels cannot always be rounded to fewer samples than there are.
+        if missing > samples {
+            return self.fair.total(self.planes.drawn);
+        }
+        self.fair = next;
+        missing
     }
 
-    /// The scheduled samples of an iteration in which every pixel expects at least `least`.
-    fn schedule(&self, least: f32) -> Scheduled {
-        match (self.iteration, self.settings.mode) {
-            (0, Mode::Uniform) => Scheduled::always(least as u32),
-            (0, Mode::Adaptive) => Scheduled::first(least as u32),
-            _ => self.scheduled.then(least),
-        }
+    /// m, samples that every pixel expects at least in an adaptive iteration, beyond what was promised.
+    fn floor(&self) -> f32 {
+        if self.settings.estimator == Estimator::Subframe { 1.0 } else { 0.0 }
     }
 
     /// Writes the weights of the kernel into the plane `target` and returns their sum.
@@ -229,21 +248,12 @@ impl<'a> Sampler<'a> {
             keys: PixelKeys::new(self.settings.seed, self.settings.frame),
             iteration: hash(self.iteration),
             sequence: self.settings.sequence,
-            scheduled: self.scheduled,
+            fair: self.fair,
             estimator: self.settings.estimator,
-            share: self.share(),
+            share: self.running as f32 / (self.samples + self.running).max(1) as f32,
         };
         let tiles = if self.running > 0 { self.layout.tiles() } else { 0 };
         Jobs { rest: self.planes.reborrow(), context, next_tile: 0, tiles }
-    }
-
-    /// The part of the running iteration in the estimator's own mean.
-    fn share(&self) -> f32 {
-        match self.settings.estimator {
-            Estimator::Pooled => 0.0,
-            Estimator::Subframe => self.running as f32 / (self.samples + self.running).max(1) as f32,
-            Estimator::Difference | Estimator::Balanced => self.scheduled.share(),
-        }
     }
 
     /// Ends the iteration and returns what has been sampled since the first one.
@@ -321,7 +331,7 @@ impl<'a> Sampler<'a> {
         self.read_out(out, |i| self.planes.count[i])
     }
 
-    /// Writes the kernel α that divided the current or last iteration, row by row; it sums to one.
+    /// Writes the kernel α that divided the current or last iteration, beyond what was promised, row by row; it sums to one.
     ///
     /// # Errors
     /// If `out` is not as long as the picture has pixels.

@@ -44,6 +44,10 @@ pub enum Scattering {
     Dielectric,
 }
 
+/// The narrowest GGX lobe: single precision cannot tell half vectors apart that are much closer to the normal. What is
+/// meant to be smoother is a [`Mirror`](Scattering::Mirror).
+pub const MIN_ROUGHNESS: f32 = 1e-6;
+
 /// A surface material.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, NoUninit)]
@@ -56,7 +60,7 @@ pub struct Material {
     pub texture: u32,
     /// Specular reflectance at normal incidence (rough), tint (mirror, dielectric), 0 to 1 a channel.
     pub specular: [f32; 3],
-    /// Width α of the GGX distribution, above 0, at most 1.
+    /// Width α of the GGX distribution, [`MIN_ROUGHNESS`] to 1.
     pub roughness: f32,
     /// Index of refraction of the inside over that of the outside.
     pub ior: f32,
@@ -391,7 +395,7 @@ fn material_is_valid(m: &Material, textures: usize) -> bool {
     let unit = |c: &[f32; 3]| c.iter().all(|v| (0.0..=1.0).contains(v));
     let emits = m.emission.iter().all(|v| v.is_finite() && *v >= 0.0);
     let texture = m.texture == NO_TEXTURE || (m.texture as usize) < textures;
-    let rough = m.roughness > 0.0 && m.roughness <= 1.0;
+    let rough = (MIN_ROUGHNESS..=1.0).contains(&m.roughness);
     let ior = m.ior.is_finite() && m.ior > 0.0;
     unit(&m.diffuse) && unit(&m.specular) && emits && texture && rough && ior
 }

@@ -177,7 +177,8 @@ fn compare_methods(arguments: &Compare) -> Result<(), Failure> {
 fn compare_still(arguments: &Compare, scene: &LoadedScene) -> Result<(), Failure> {
     let base = settings(scene, &arguments.common, Method::Uniform, None)?;
     let reference = find_reference(scene, &base, arguments)?;
-    let mut stage = Still(Shot { scene, base, reference: &reference.picture });
+    let mut stage =
+        Still(Shot { scene, base, reference: &reference.picture, noise: reference.energy_noise() });
     let (plan, comparison) = run_plan(arguments, &mut stage, base)?;
     finish_report(arguments, Report::new(scene, &plan, &reference, &comparison))
 }

@@ -163,9 +163,10 @@ pub fn render_while(
     let required = Sampler::required(width, height);
     let (mut floats, mut words) = (zeros(required.floats)?, zeros(required.words)?);
     let memory = Memory { floats: &mut floats, words: &mut words };
-    let mut sampler = Sampler::new(settings.sampler, memory).map_err(setting)?;
-    let mut tally = Tally::default();
     predictor.begin(scene, settings)?;
+    let film = if predictor.predicts() { settings.predicted_film() } else { settings.film() };
+    let mut sampler = Sampler::new(film, memory).map_err(setting)?;
+    let mut tally = Tally::default();
     let predicted = predictor.predicts().then(|| settings.predicted_schedule());
     let plain = predicted.is_none().then(|| settings.schedule());
     for samples in predicted.into_iter().flatten().chain(plain.into_iter().flatten()) {

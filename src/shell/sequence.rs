@@ -107,7 +107,7 @@ pub fn state(file: &Path, wanted: &BTreeMap<String, String>) -> State {
     names.sort_by_key(|name| (name.as_str() == "scene_hash", name.as_str()));
     match names.into_iter().find(|name| found.get(*name) != wanted.get(*name)) {
         None => State::Complete,
-        Some(name) if name == "scene_hash" => State::Other("the scene was another".into()),
+        Some(name) if name == "scene_hash" => State::Other("the scene or the program was another".into()),
         Some(name) => {
             let say = |attributes: &BTreeMap<String, String>| {
                 attributes.get(name).map_or("not set".into(), |value| format!("'{value}'"))

@@ -13,12 +13,15 @@
 //! # }
 //! ```
 
+mod list;
+
+pub use list::word;
+
 use crate::scene::{LoadedScene, View};
-use crate::stop::{Growth, Target};
+use crate::stop::{Growth, LEAST_SPP, PILOT_SPP, Target};
 use clap::ValueEnum;
 use pmcip_core::estimate::Estimator;
 use pmcip_core::sampler::{self, Schedule, Sequence};
-use serde_json::{Map, Value, json};
 use std::fmt::{self, Display, Formatter};
 
 /// Samples a pixel where nobody says.
@@ -59,20 +62,6 @@ pub enum Integrator {
 }
 
 impl Integrator {
-    /// Its name and its own settings, as the command line spells them.
-    fn list(self) -> Map<String, Value> {
-        let list = match self {
-            Integrator::Path => json!({ "integrator": self.name() }),
-            Integrator::Direct { light_samples, bsdf_samples } => {
-                json!({ "integrator": self.name(), "light_samples": light_samples, "bsdf_samples": bsdf_samples })
-            }
-            Integrator::Gather { photons, photon_seed } => {
-                json!({ "integrator": self.name(), "photons": photons, "photon_seed": photon_seed })
-            }
-        };
-        object(list)
-    }
-
     /// Its name.
     pub fn name(self) -> &'static str {
         match self {
@@ -229,6 +218,27 @@ impl Settings {
         }
     }
 
+    /// The core's settings for a frame whose first iteration has `pilot` samples a pixel: as many samples are fair as every
+    /// pixel is promised before the frame can end.
+    fn core(&self, pilot: u32) -> sampler::Settings {
+        let (pilot, least) = match self.target {
+            Some(_) => (PILOT_SPP.min(pilot), self.spp.min(LEAST_SPP as u32)),
+            None => (pilot, self.spp),
+        };
+        let promised = self.sampler.defensive * least.saturating_sub(pilot) as f32;
+        sampler::Settings { fair: pilot + promised as u32, ..self.sampler }
+    }
+
+    /// The core's settings for a frame.
+    pub fn film(&self) -> sampler::Settings {
+        self.core(self.pilot())
+    }
+
+    /// The same for a frame that starts from a prediction.
+    pub fn predicted_film(&self) -> sampler::Settings {
+        if self.method == Method::Pmc { self.core(1) } else { self.film() }
+    }
+
     /// Samples of each iteration, at most.
     pub fn schedule(&self) -> impl Iterator<Item = u64> {
         self.schedule_after(self.pilot(), self.iterations)
@@ -254,61 +264,6 @@ impl Settings {
     pub fn pixels(&self) -> u64 {
         u64::from(self.sampler.width) * u64::from(self.sampler.height)
     }
-
-    /// Every setting by name, for reports and for the EXR file.
-    pub fn list(&self) -> Map<String, Value> {
-        let (core, view) = (&self.sampler, &self.view);
-        let list = json!({
-            "spp": self.spp,
-            "iterations": self.iterations,
-            "pilot_spp": self.pilot(),
-            "sampler": self.method.to_string(),
-            "estimator": word(core.estimator),
-            "gamma": short(core.gamma),
-            "epsilon": short(core.epsilon),
-            "defensive": short(core.defensive),
-            "window": word(core.window),
-            "sequence": word(core.sequence),
-            "balance_radius": core.balance_radius,
-            "cd_per_unit": short(core.cd_per_unit),
-            "max_depth": self.max_depth,
-            "width": core.width,
-            "height": core.height,
-            "seed": core.seed,
-            "frame": core.frame,
-            "look_from": view.from.map(short),
-            "look_at": view.at.map(short),
-            "up": view.up.map(short),
-            "fov": short(view.fov),
-        });
-        let mut list = object(list);
-        list.extend(self.integrator.list());
-        if self.startup != Startup::Uniform {
-            list.insert("startup".into(), word(self.startup).into());
-        }
-        if let Some(target) = self.target {
-            list.remove("iterations");
-            list.remove("pilot_spp");
-            list.insert("target_err".into(), short(target.err).into());
-            list.insert("expected_spp".into(), target.expected_spp.into());
-        }
-        list
-    }
-}
-
-/// The names and values of a JSON object.
-fn object(value: Value) -> Map<String, Value> {
-    if let Value::Object(list) = value { list } else { Map::new() }
-}
-
-/// The name of an option of the core, as the command line writes it.
-pub fn word(option: impl fmt::Debug) -> String {
-    format!("{option:?}").to_lowercase()
-}
-
-/// The number whose few digits are those of `x`: widening 0.1 would print 0.10000000149.
-fn short(x: f32) -> f64 {
-    x.to_string().parse().unwrap_or(f64::from(x))
 }
 
 #[cfg(test)]
@@ -360,15 +315,5 @@ mod tests {
         let mut settings = settings(Method::Pmc, 16);
         settings.set_estimator(Estimator::Subframe);
         assert_eq!(settings.sampler.sequence, Sequence::Fresh);
-    }
-
-    #[test]
-    fn the_list_keeps_the_digits_of_floats() {
-        let mut settings = settings(Method::Pmc, 16);
-        settings.sampler.gamma = 2.0 / 3.0;
-        let list = settings.list();
-        assert_eq!(list["gamma"].to_string(), "0.6666667");
-        assert_eq!(list["epsilon"].to_string(), "0.01");
-        assert_eq!(list["estimator"], "balanced");
     }
 }

@@ -48,7 +48,7 @@ pub const LEAST_SPP: u64 = 8;
 const RADIUS: usize = 2;
 
 /// Samples a pixel of the first iteration, and of the others at least.
-const PILOT_SPP: u32 = 2;
+pub const PILOT_SPP: u32 = 2;
 
 /// When a frame may end before its samples are spent.
 #[derive(Clone, Copy, Debug, PartialEq)]

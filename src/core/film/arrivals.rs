@@ -92,62 +92,59 @@ impl Sums {
 /// Moments of the new samples of a group of neighbouring pixels.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Arrivals {
-    /// Samples that were not scheduled.
-    others: [u32; GROUP],
+    taken: [u32; GROUP],
     count: [u32; GROUP],
     mean: [[f32; GROUP]; 3],
     m2: [f32; GROUP],
-    /// Mean of the samples that the estimator's own mean is made of, and the weight of its difference from that.
+    /// What the estimator's own mean moves towards, and how far.
     fair: [[f32; GROUP]; 3],
-    weight: [f32; GROUP],
+    share: [f32; GROUP],
 }
 
 impl Arrivals {
     /// No samples.
     pub const NONE: Arrivals = Arrivals {
-        others: [0; GROUP],
+        taken: [0; GROUP],
         count: [0; GROUP],
         mean: [[0.0; GROUP]; 3],
         m2: [0.0; GROUP],
         fair: [[0.0; GROUP]; 3],
-        weight: [0.0; GROUP],
+        share: [0.0; GROUP],
     };
 
-    /// Sets what has arrived at pixel `i` of the group: `sums` are those of the usable samples, of which `others` were not
-    /// scheduled.
+    /// Sets what has arrived at pixel `i` of the group: `sums` are those of the usable ones of `taken` samples.
     #[inline(always)]
-    pub fn set(&mut self, i: usize, sums: &Sums, others: u32) {
+    pub fn set(&mut self, i: usize, sums: &Sums, taken: u32) {
         let moments = sums.moments();
         let [r, g, b, _] = moments.mean.to_array();
         let [_, _, _, m2] = moments.m2.to_array();
-        (self.others[i], self.count[i], self.m2[i]) = (others, moments.count, m2);
+        (self.taken[i], self.count[i], self.m2[i]) = (taken, moments.count, m2);
         (self.mean[0][i], self.mean[1][i], self.mean[2][i]) = (r, g, b);
     }
 
-    /// Sets what has arrived at pixel `i` of the group for the estimator's own mean: the mean of the samples it is made of,
-    /// and their weight.
+    /// Sets that the estimator's own mean of pixel `i` of the group moves by `share` towards `mean`.
     #[inline(always)]
-    pub fn set_fair(&mut self, i: usize, mean: f32x4, weight: f32) {
+    pub fn set_fair(&mut self, i: usize, mean: f32x4, share: f32) {
         let [r, g, b, _] = mean.to_array();
-        (self.fair[0][i], self.fair[1][i], self.fair[2][i], self.weight[i]) = (r, g, b, weight);
+        (self.fair[0][i], self.fair[1][i], self.fair[2][i], self.share[i]) = (r, g, b, share);
     }
 
-    /// Merges the moments into the film (Chan), of which the group begins at pixel `first`. Nothing is planned for its
-    /// pixels any more. The part of the iteration in the estimator's own mean is `share`.
-    pub fn merge(&self, planes: &mut Planes<'_>, first: usize, share: f32) {
+    /// Merges the moments into the film (Chan), of which the group begins at pixel `first`, the estimator's own mean, too, if
+    /// it has one (`fair`). Nothing is planned for its pixels any more.
+    pub fn merge(&self, planes: &mut Planes<'_>, first: usize, fair: bool) {
         let end = planes.count.len().min(first + GROUP);
         for start in (first..end).step_by(8) {
             let pixels = start..end.min(start + 8);
-            if share > 0.0 {
-                self.merge_fair8(planes, start - first, pixels.clone(), f32x8::splat(share));
+            if fair {
+                self.merge_fair8(planes, start - first, pixels.clone());
             }
             self.merge8(planes, start - first, pixels);
         }
     }
 
     #[inline(always)]
-    fn merge_fair8(&self, planes: &mut Planes<'_>, i: usize, pixels: Range<usize>, share: f32x8) {
-        let share = read8(&self.weight[i..]) * share;
+    fn merge_fair8(&self, planes: &mut Planes<'_>, i: usize, pixels: Range<usize>) {
+        let share = read8(&self.share[i..]);
         for (plane, new) in planes.fair.iter_mut().zip(&self.fair) {
             let plane = &mut plane[pixels.clone()];
             let old = read8(plane);
@@ -170,7 +167,7 @@ impl Arrivals {
         planes.planned[pixels.clone()].fill(0);
         for (k, pixel) in pixels.enumerate() {
             planes.count[pixel] = planes.count[pixel].saturating_add(self.count[i + k]);
-            planes.drawn[pixel] = planes.drawn[pixel].wrapping_add(self.others[i + k]);
+            planes.drawn[pixel] = planes.drawn[pixel].wrapping_add(self.taken[i + k]);
         }
     }
 }
@@ -206,7 +203,7 @@ mod tests {
                 });
                 arrivals.set(p, &sums, range.len() as u32);
             }
-            arrivals.merge(&mut planes, 0, 0.0);
+            arrivals.merge(&mut planes, 0, false);
         }
         for p in 0..pixels {
             let light: Vec<f64> = (0..40).map(|i| f64::from(luminance(sample(p, i)))).collect();

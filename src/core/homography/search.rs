@@ -126,7 +126,8 @@ impl<'a> Search<'a> {
             let Some(score) = test.score(&Matrix8::new(&matrix), blocks) else { continue };
             let found = self.improve(matrix, score);
             test = Test::new(REACH * self.threshold, found.score.quality, self.share(&found));
-            needed = self.needed(&found).clamp(iteration, needed);
+            let samples = samples_needed(self.share(&found), self.settings.confidence);
+            needed = samples.clamp(iteration, needed);
             best = Some(found);
         }
         (best, iteration)
@@ -135,14 +136,6 @@ impl<'a> Search<'a> {
     /// Share of the pairs within reach.
     fn share(&self, best: &Best) -> f64 {
         f64::from(best.score.count) / self.refiner.pairs
-    }
-
-    /// Samples after which a better homography is unlikely.
-    fn needed(&self, best: &Best) -> u32 {
-        let inliers = self.share(best);
-        let hit = KEPT * inliers * inliers * inliers * inliers;
-        let samples = libm::log(1.0 - self.settings.confidence) / libm::log(1.0 - hit);
-        samples.min(f64::from(u32::MAX - 1)) as u32 + 1
     }
 
     /// Four different pairs by their places in the blocks, as points of both pictures.
@@ -193,6 +186,17 @@ impl<'a> Search<'a> {
     }
 }
 
+/// Samples, at least 1, of which with probability `confidence` one is of inliers only and survives its test, where a part
+/// `inliers` of the pairs are inliers: the least n with 1 − (1 − p)ⁿ above `confidence`, p the part of samples that do
+/// (Fischler and Bolles 1981).
+///
+/// For tiny p 1 − p rounds to 1, whose logarithm would be 0: hence `log1p`.
+fn samples_needed(inliers: f64, confidence: f64) -> u32 {
+    let hit = KEPT * inliers * inliers * inliers * inliers;
+    let samples = libm::log1p(-confidence) / libm::log1p(-hit);
+    samples.min(f64::from(u32::MAX - 1)) as u32 + 1
+}
+
 /// Corners of the bounding box of some points, made at least half as wide as high and half as high as
 /// wide: what is determined on a line is not on both sides of it.
 fn corners(points: impl Iterator<Item = [f64; 2]>) -> [[f64; 2]; 4] {
@@ -209,4 +213,52 @@ fn bounds(points: impl Iterator<Item = [f64; 2]>) -> ([f64; 2], [f64; 2]) {
     points.fold(([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]), |(low, high), p| {
         ([low[0].min(p[0]), low[1].min(p[1])], [high[0].max(p[0]), high[1].max(p[1])])
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Whether so many samples and no fewer reach the confidence, by the definition: powers of 1 − p by squaring, as
+    /// numbers 1 − q, so that no tiny p is lost.
+    fn is_least(samples: u32, hit: f64, confidence: f64) -> bool {
+        let reached = |n: u32| {
+            let both = |a: f64, b: f64| a + b - a * b;
+            (0..32).rev().fold(0.0, |q, bit| {
+                let twice = both(q, q);
+                if n >> bit & 1 == 1 { both(twice, hit) } else { twice }
+            })
+        };
+        // Rounding may move the border by one sample.
+        reached(samples + 1) >= confidence && (samples < 3 || reached(samples - 2) <= confidence)
+    }
+
+    #[test]
+    fn sample_counts_are_the_least_that_reach_the_confidence() {
+        for inliers in [0.005, 0.01, 0.02, 0.1, 0.3, 0.5, 0.9, 0.999] {
+            for confidence in [1e-9, 0.5, 0.995, 0.999_999] {
+                let samples = samples_needed(inliers, confidence);
+                let hit = KEPT * f64::powi(inliers, 4);
+                let most = samples == u32::MAX;
+                assert!(most || is_least(samples, hit, confidence), "{inliers} {confidence}: {samples}");
+            }
+        }
+    }
+
+    #[test]
+    fn extreme_shares_give_usable_counts() {
+        // Both tiny: 1 − (1 − p)ⁿ is np. 1 − p is 1 here, and by the plain logarithm the count was 1.
+        for (inliers, confidence) in [(5e-5, 1e-12), (1e-5, 1e-16)] {
+            let hit = KEPT * f64::powi(inliers, 4);
+            assert_eq!(1.0 - hit, 1.0);
+            let (samples, wanted) = (f64::from(samples_needed(inliers, confidence)), confidence / hit);
+            assert!((samples - wanted).abs() <= 1.0 + 1e-9 * wanted, "{inliers}: {samples}, not {wanted}");
+        }
+        // Four pairs of 2^24, and none at all, need more samples than anybody draws.
+        for inliers in [4.0 / f64::from(1 << 24), 1e-81, 0.0] {
+            assert_eq!(samples_needed(inliers, 0.995), u32::MAX, "{inliers}");
+        }
+        assert_eq!(samples_needed(1.0, 0.995), 2);
+        assert_eq!(samples_needed(0.3, 0.0), 1);
+    }
 }

@@ -1,6 +1,6 @@
 //! A run of tiles to be sampled by one thread.
 
-use super::scheduled::Scheduled;
+use super::fair::Fair;
 use super::settings::{Error, Sequence};
 use crate::batch::{Batch8, Integrand, Rgb8};
 use crate::estimate::Estimator;
@@ -58,9 +58,9 @@ pub(super) struct Context {
     /// Key of the iteration.
     pub iteration: u32,
     pub sequence: Sequence,
-    pub scheduled: Scheduled,
+    pub fair: Fair,
     pub estimator: Estimator,
-    /// Part of the iteration in the estimator's own mean.
+    /// Part of the iteration in all samples, itself included.
     pub share: f32,
 }
 
@@ -75,15 +75,28 @@ impl Context {
         }
     }
 
-    /// Number in its sequence of a pixel's sample `number` of this iteration, if it drew `drawn` before that were not
-    /// scheduled.
+    /// Number of the next point of a pixel's sequence.
     #[inline(always)]
-    fn point(&self, number: u32, drawn: u32) -> u32 {
-        let scheduled = &self.scheduled;
-        match self.sequence {
-            Sequence::Fresh => number,
-            Sequence::Continued if number < scheduled.count => scheduled.point(number),
-            Sequence::Continued => scheduled.other_point(drawn.wrapping_add(number - scheduled.count)),
+    fn index(&self, drawn: u32) -> u32 {
+        if self.sequence == Sequence::Continued { drawn } else { 0 }
+    }
+
+    /// How many of a pixel's `planned` samples, the first ones, its estimator's own mean is made of.
+    #[inline(always)]
+    fn own(&self, planned: u32, drawn: u32) -> u32 {
+        match self.estimator {
+            Estimator::Pooled => 0,
+            Estimator::Subframe => planned,
+            Estimator::Difference | Estimator::Balanced => self.fair.among(planned, drawn),
+        }
+    }
+
+    /// How far `taken` such samples move that mean.
+    #[inline(always)]
+    fn own_share(&self, taken: u32, drawn: u32) -> f32 {
+        match self.estimator {
+            Estimator::Subframe => self.share,
+            _ => taken as f32 / (drawn as f32 + taken as f32),
         }
     }
 }
@@ -160,15 +173,15 @@ struct Place {
     tile_number: u32,
     dx: u32,
     dy: u32,
-    /// Samples of earlier iterations that were not scheduled.
-    drawn: u32,
+    /// Number of the iteration's first point in the pixel's sequence.
+    index: u32,
 }
 
 impl<'a> Job<'a> {
     fn new(planes: Planes<'a>, context: Context, tile_number: u32, samples: u64) -> Self {
         let tile = context.layout.tile(tile_number);
-        let (planned, drawn) = (planes.planned[0], planes.drawn[0]);
-        let next = Place { pixel: 0, number: 0, planned, tile, tile_number, dx: 0, dy: 0, drawn };
+        let (planned, index) = (planes.planned[0], context.index(planes.drawn[0]));
+        let next = Place { pixel: 0, number: 0, planned, tile, tile_number, dx: 0, dy: 0, index };
         let last = Accepting { pixel: 0, left: 0, fair_end: 0, sums: Sums::default(), rejected: 0 };
         let arrivals = Arrivals::NONE;
         let mut job = Job { planes, context, samples, filled: 0, accepted: 0, next, last, arrivals };
@@ -180,8 +193,8 @@ impl<'a> Job<'a> {
     #[inline(always)]
     fn accepting(&self, pixel: usize, rejected: u64) -> Accepting {
         let left = self.planes.planned[pixel];
-        let fair = self.context.estimator.takes(self.context.scheduled.count, left);
-        Accepting { pixel, left, fair_end: left - fair, sums: Sums::default(), rejected }
+        let own = self.context.own(left, self.planes.drawn[pixel]);
+        Accepting { pixel, left, fair_end: left - own, sums: Sums::default(), rejected }
     }
 
     /// Number of samples planned.
@@ -223,9 +236,9 @@ impl<'a> Job<'a> {
             let run = lanes.min(lane + (self.next.planned - self.next.number) as usize);
             let (x, y) = (self.next.tile.x0 + self.next.dx, self.next.tile.y0 + self.next.dy);
             let at = y << 16 | x;
+            let first = self.next.index.wrapping_add(self.next.number);
             for k in lane..run {
-                (index[k], place[k]) =
-                    (self.context.point(self.next.number + (k - lane) as u32, self.next.drawn), at);
+                (index[k], place[k]) = (first.wrapping_add((k - lane) as u32), at);
             }
             self.next.number += (run - lane) as u32;
             lane = run;
@@ -252,7 +265,7 @@ impl<'a> Job<'a> {
             next.step(&self.context.layout);
             next.planned = self.planes.planned[next.pixel];
         }
-        next.drawn = self.planes.drawn[next.pixel];
+        next.index = self.context.index(self.planes.drawn[next.pixel]);
     }
 
     /// Takes the radiances of the samples handed out, in the same order; superfluous ones are ignored.
@@ -289,8 +302,8 @@ impl<'a> Job<'a> {
                 self.set_fair(&last);
             }
             if last.left == 0 {
-                let others = self.planes.planned[last.pixel].saturating_sub(self.context.scheduled.count);
-                self.arrivals.set(last.pixel % GROUP, &last.sums, others);
+                let planned = self.planes.planned[last.pixel];
+                self.arrivals.set(last.pixel % GROUP, &last.sums, planned);
             }
         }
         self.last = last;
@@ -298,7 +311,8 @@ impl<'a> Job<'a> {
 
     /// Merges the group of pixels that ends before `end` into the film.
     fn merge_before(&mut self, end: usize) {
-        self.arrivals.merge(&mut self.planes, end - GROUP, self.context.share);
+        let has_own = self.context.estimator != Estimator::Pooled;
+        self.arrivals.merge(&mut self.planes, end - GROUP, has_own);
         self.arrivals = Arrivals::NONE;
     }
 
@@ -306,8 +320,8 @@ impl<'a> Job<'a> {
     #[inline(always)]
     fn set_fair(&mut self, last: &Accepting) {
         let taken = self.planes.planned[last.pixel] - last.fair_end;
-        let weight = self.context.scheduled.weight(self.planes.target[last.pixel]);
-        self.arrivals.set_fair(last.pixel % GROUP, last.sums.mean_of(taken), weight);
+        let share = self.context.own_share(taken, self.planes.drawn[last.pixel]);
+        self.arrivals.set_fair(last.pixel % GROUP, last.sums.mean_of(taken), share);
     }
 
     /// Samples accepted so far.

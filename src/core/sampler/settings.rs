@@ -52,17 +52,21 @@ pub struct Settings {
     pub gamma: f32,
     /// ε, the part given out uniformly, 0 to 1.
     pub epsilon: f32,
-    /// Part of an iteration's samples that every pixel expects at least, whatever has been seen, 0 to 1. Without it the
-    /// estimators `difference` and `balanced` have the energy of the first iteration alone.
+    /// Part of an iteration's samples that is promised to every pixel alike, whatever has been seen, 0 to 1.
     pub defensive: f32,
+    /// Fair samples of a pixel: its first ones, of which the estimators `difference` and `balanced` take their energy, and
+    /// whose noise that has. More than the part `defensive` of the frame's samples and the first iteration are not
+    /// promised in time, and an estimate with fewer is as biased as `pooled`. At least those of the first iteration: 0 if
+    /// nothing is known of what follows.
+    pub fair: u32,
     /// Radius r in pixels of the balanced estimator's three boxes: σ² is about r(r + 1), and at least 16, as it works on
     /// cells of 8 × 8 pixels.
     pub balance_radius: u32,
 }
 
 impl Settings {
-    /// The defaults, found by measurement: variance of the mean, γ 0.8, binomial window, ε 0.01, a quarter of
-    /// the samples defensive, balanced with σ 48.5 pixels.
+    /// The defaults, found by measurement: variance of the mean, γ 0.8, binomial window, ε 0.01, a third of
+    /// the samples promised, balanced with σ 96.5 pixels.
     pub fn new(width: u32, height: u32) -> Settings {
         Settings {
             width,
@@ -77,12 +81,13 @@ impl Settings {
             window: Window::Square3,
             gamma: 0.8,
             epsilon: 0.01,
-            defensive: 0.25,
-            balance_radius: 48,
+            defensive: 1.0 / 3.0,
+            fair: 0,
+            balance_radius: 96,
         }
     }
 
-    /// The method as published: γ 1, no window, nothing defensive but the first iteration, ε 0.01, pooled.
+    /// The method as published: γ 1, no window, nothing promised but the first iteration, ε 0.01, pooled.
     pub fn paper(width: u32, height: u32) -> Settings {
         Settings {
             estimator: Estimator::Pooled,

@@ -95,6 +95,7 @@ impl<'a> DirectLighting<'a> {
             scatter(&mut next, &frame, &bsdf, rough, point, || {
                 sobol::point(index, paths.key, SETS * depth).0
             });
+            path::reject_nan(&next, rough, radiance);
             next.density *= share;
             next.origin = surface.leave(next.direction);
             let alive = rough & next.throughput.max_component().simd_gt(f32x8::ZERO);
@@ -154,6 +155,7 @@ impl<'a> Wavefront<'a> for DirectLighting<'a> {
             let mut next = *paths;
             let (choice, _) = sobol::point(paths.index, paths.key, SETS * depth);
             scatter_specular(&mut next, &surface, choice);
+            path::reject_nan(&next, specular, radiance);
             let alive = specular & next.throughput.max_component().simd_gt(f32x8::ZERO);
             next.origin = surface.leave(next.direction);
             self.paths.queue.push(&next, alive.to_bitmask());

@@ -247,13 +247,15 @@ impl<'a> Wavefront<'a> for Gather<'a> {
         if rough.any() {
             self.add_caustics(paths, &surface, rough, radiance);
             self.paths.scatter_rough(&mut next, &surface, rough, depth, radiance);
-            rough &= !known | thin_out(&mut next, paths, rough & known, depth);
         }
         if specular.any() {
             let (choice, _) = sobol::point(paths.index, paths.key, SETS * depth);
             scatter_specular(&mut next, &surface, choice);
             next.density = (specular & gathering).select(f32x8::ZERO, next.density);
         }
+        // First: the roulettes leave what is not a number where they end a path.
+        path::reject_nan(&next, rough | specular, radiance);
+        rough &= !known | thin_out(&mut next, paths, rough & known, depth);
         let alive = survivors(&mut next, rough | specular, depth);
         next.origin = surface.leave(next.direction);
         self.paths.queue.push(&next, alive.to_bitmask());

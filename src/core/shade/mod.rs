@@ -19,3 +19,6 @@ mod rough;
 mod shadow;
 pub mod shoot;
 mod specular;
+
+#[cfg(test)]
+mod tests;

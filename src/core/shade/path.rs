@@ -164,7 +164,8 @@ impl<'a> PathTracer<'a> {
     /// Queues the shadow rays in the lanes of `rough` that carry anything.
     #[inline(always)]
     pub(super) fn queue_shadows(&mut self, shadow: &ShadowRays, rough: f32x8, radiance: &mut [Rgb8]) {
-        let mut wanted = (rough & shadow.value.max_component().simd_gt(f32x8::ZERO)).to_bitmask();
+        // What is not a number is wanted, too: it arrives, and the film counts it.
+        let mut wanted = (rough & !shadow.value.max_component().simd_le(f32x8::ZERO)).to_bitmask();
         while wanted != 0 {
             wanted = self.shadows.fill(shadow, wanted);
             if self.shadows.lanes() == 8 {
@@ -253,6 +254,7 @@ impl<'a> Wavefront<'a> for PathTracer<'a> {
             let (choice, _) = sobol::point(paths.index, paths.key, SETS * depth);
             scatter_specular(&mut next, &surface, choice);
         }
+        reject_nan(&next, surface.hit, radiance);
         let alive = survivors(&mut next, surface.hit, depth);
         next.origin = surface.leave(next.direction);
         if depth + 1 == self.max_depth && light::are_few(self.tracer.scene().data()) {
@@ -352,7 +354,8 @@ pub(super) fn scatter(
     let (value, density) = bsdf.evaluate(incoming);
     let weight = value * (f32x8::ONE / density);
     let none = Vec3x8::default();
-    let throughput = Vec3x8::select(density.simd_gt(f32x8::ZERO), next.throughput.scaled(weight), none);
+    // Not "above 0": a density that is not a number must not end the path like one of zero (see `reject_nan`).
+    let throughput = Vec3x8::select(density.simd_le(f32x8::ZERO), none, next.throughput.scaled(weight));
     next.throughput = Vec3x8::select(rough, throughput, next.throughput);
     next.direction = Vec3x8::select(rough, frame.to_world(incoming), next.direction);
     next.density = rough.select(density, next.density);
@@ -372,6 +375,19 @@ pub(super) fn scatter_specular(next: &mut Paths, surface: &SurfacePoints, choice
     next.direction = Vec3x8::select(either, direction, next.direction);
     next.density = either.select(infinite, next.density);
     next.compression = glass.select(next.compression * through.compression, next.compression);
+}
+
+/// Makes the radiance of samples whose path, in the lanes of `hit`, carries what is not a number, or goes there, NaN, so
+/// that the film rejects and counts them: the path itself ends without a word, since NaN is not above 0 and a ray
+/// without a direction hits nothing.
+#[inline(always)]
+pub(super) fn reject_nan(paths: &Paths, hit: f32x8, radiance: &mut [Rgb8]) {
+    let sum = |v: Vec3x8| v.x + v.y + v.z;
+    let all = sum(paths.throughput) + sum(paths.direction);
+    let lost = hit & !all.simd_eq(all);
+    if lost.any() {
+        super::shadow::accumulate(radiance, paths.slot, Vec3x8::splat([f32::NAN; 3]), lost.to_bitmask());
+    }
 }
 
 /// Ends paths that carry nothing, and by chance those that carry little; returns the others.
@@ -428,3 +444,6 @@ impl Frame {
         self.tangent * v.x + self.bitangent * v.y + self.normal * v.z
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -12,6 +12,11 @@
 //! What is rendered, a [`Stage`], is a still picture or the frames of an animation. Of frames there are curves and one
 //! measure more, flicker; a row then has the means over all frames.
 //!
+//! The energy bias has a standard error that contains the spread of the runs and the reference's own noise, as far as
+//! anything tells that ([`reference::noise`]), and an interval of at least 95 % by Student's t: three runs know their spread so badly
+//! that two standard errors would miss the truth in one case of five. With a single run the `variance` plane of its
+//! picture stands for the spread of runs: that takes samples and pixels as independent, and its error as known.
+//!
 //! Limits: errors contain the reference's own noise, which [`Reference`](reference::Reference) estimates, and every
 //! method's last picture is kept, hence 24 bytes a pixel and method.
 
@@ -22,6 +27,7 @@ mod plot;
 pub mod ratio;
 pub mod reference;
 pub mod report;
+pub mod spread;
 mod stage;
 mod stats;
 mod table;
@@ -38,7 +44,8 @@ use crate::predict::Predictor;
 use crate::render::{self, Frame};
 use crate::settings::{Method, Settings, word};
 use serde::Serialize;
-use stats::{mean, median, standard_error};
+use spread::Spread;
+use stats::{mean, median};
 
 /// What to render.
 #[derive(Clone, Debug)]
@@ -82,10 +89,11 @@ impl Plan {
     }
 
     /// Seeds of the renders in their order: one each, and never the reference's.
-    fn seeds(&self, reference: &Picture) -> impl Iterator<Item = u32> {
-        let taken = reference.attributes.get("seed").and_then(|seed| seed.parse().ok());
+    fn seeds(&self, reference: &Picture) -> impl Iterator<Item = u32> + use<> {
+        let taken = reference::seeds(reference);
+        let free = move |seed: &u32| taken.as_ref().is_none_or(|taken| !taken.contains(seed));
         let first = self.base.sampler.seed;
-        (0..=u32::MAX).map(move |k| first.wrapping_add(k)).filter(move |seed| Some(*seed) != taken)
+        (0..=u32::MAX).map(move |k| first.wrapping_add(k)).filter(free)
     }
 }
 
@@ -109,8 +117,11 @@ pub struct Row {
     pub p_eff: f64,
     /// Mean of Σe/Σref, luminance.
     pub energy_bias: f64,
-    /// Its standard error: from the spread of the runs, or within the picture if there is one run.
+    /// Its standard error: from the spread of the runs, or within the picture if there is one run, and the reference's
+    /// own, if anything tells that.
     pub energy_bias_stderr: f64,
+    /// Half the width of an interval that contains the truth in at least 95 % of all cases, by Student's t.
+    pub energy_bias_ci95: f64,
     /// Number of renders.
     pub runs: u32,
     /// Standard errors of the means, if there are two runs or more.
@@ -171,7 +182,10 @@ struct Outcome {
     seconds: f64,
     measures: Measures,
     energy_bias: f64,
-    energy_bias_stderr: f64,
+    /// Standard error of the energy bias by the picture's variance alone.
+    own_stderr: f64,
+    /// Standard error of the reference's energy over the energy.
+    noise: Option<Spread>,
     oracle_ratio: Option<f64>,
 }
 
@@ -284,7 +298,8 @@ impl<'a> Cell<'a> {
             seconds: done.seconds,
             measures: Measures { flicker, ..Measures::from(&metrics) },
             energy_bias: metrics.energy_bias,
-            energy_bias_stderr: metrics.energy_bias_stderr,
+            own_stderr: reference::noise::own_energy_stderr(&picture, shot.reference),
+            noise: shot.noise,
             oracle_ratio: metrics.oracle_ratio,
         };
         self.runs.last_mut().into_iter().for_each(|run| run.push(outcome));
@@ -302,6 +317,7 @@ impl<'a> Cell<'a> {
             Measures::means(&runs),
             Measures::standard_errors(&runs),
         );
+        let spread = Spread::sum([self.own_spread(&biases), self.reference_spread(&biases)]);
         Row {
             method: self.variant.to_string(),
             spp: self.spp,
@@ -311,11 +327,28 @@ impl<'a> Cell<'a> {
             measures,
             p_eff: 1.0 / (seconds * measures.err),
             energy_bias: mean(&biases),
-            energy_bias_stderr: standard_error(&biases).unwrap_or_else(|| within(&self.runs)),
+            energy_bias_stderr: spread.stderr,
+            energy_bias_ci95: spread.ci95,
             runs: self.runs.len() as u32,
             stderr,
             seeds: self.seeds.clone(),
         }
+    }
+
+    /// Spread of the mean energy bias that the renders themselves have: between runs, or within the pictures of the only
+    /// run.
+    fn own_spread(&self, biases: &[f64]) -> Spread {
+        let pictures = || self.runs.iter().flatten();
+        let share = 1.0 / pictures().count() as f64;
+        let of = |outcome: &Outcome| Spread::new(share * outcome.own_stderr, f64::INFINITY);
+        Spread::of_mean(biases).unwrap_or_else(|| Spread::sum(pictures().map(of)))
+    }
+
+    /// What the references add, which all runs share: one a frame, each with seeds of its own.
+    fn reference_spread(&self, biases: &[f64]) -> Spread {
+        let frames = self.runs.first().map_or(&[][..], Vec::as_slice);
+        let share = (1.0 + mean(biases)) / frames.len() as f64;
+        Spread::sum(frames.iter().filter_map(|outcome| outcome.noise).map(|noise| noise.scaled(share)))
     }
 
     /// What each frame has shown.
@@ -343,10 +376,4 @@ fn over_frames(run: &[Outcome]) -> Measures {
     let all: Vec<Measures> = run.iter().map(|outcome| outcome.measures).collect();
     let flicker: Vec<f64> = all.iter().map(|measures| measures.flicker).filter(|f| !f.is_nan()).collect();
     Measures { flicker: mean(&flicker), ..Measures::means(&all) }
-}
-
-/// Standard error of the mean energy bias from within the pictures of the only run.
-fn within(runs: &[Vec<Outcome>]) -> f64 {
-    let squares: Vec<f64> = runs.iter().flatten().map(|outcome| outcome.energy_bias_stderr.powi(2)).collect();
-    (squares.iter().sum::<f64>()).sqrt() / squares.len() as f64
 }

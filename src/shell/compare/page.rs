@@ -5,6 +5,7 @@ mod tables;
 
 use super::pictures::Gallery;
 use super::plot::{self, Axis, Line, Point, Spacing};
+use super::reference::{Reference, Source};
 use super::report::{Machine, Report};
 use super::table::significant;
 use super::{Comparison, FrameRow, Measures, Row};
@@ -52,8 +53,6 @@ pub fn html(report: &Report, comparison: &Comparison, cd_per_unit: f64) -> Resul
 fn facts(report: &Report) -> String {
     let reference = report.reference;
     let spp = reference.spp.map_or("unknown".into(), |spp| spp.to_string());
-    let adds = |err| format!(", its own noise adds about {} to Err", significant(err, 2));
-    let noise = reference.noise_err.map_or(String::new(), adds);
     let seed = reference.seed.map_or(String::new(), |seed| format!(", seed {seed}"));
     let Machine { cpu, cpu_threads, threads, system } = &report.machine;
     let machine = format!("{}, {threads} of {cpu_threads} threads, {system}", escape(cpu));
@@ -65,7 +64,11 @@ fn facts(report: &Report) -> String {
         ("Oracle ratio", oracle),
         (
             "Reference",
-            format!("{}, {spp} samples a pixel{seed}{noise}", escape(&reference.file.display().to_string())),
+            format!(
+                "{}, {spp} samples a pixel{seed}; {}",
+                escape(&reference.file.display().to_string()),
+                noise(reference)
+            ),
         ),
         ("Runs", format!("{} of each method at each sample count, first seed {}", report.runs, report.seed)),
         ("Settings", list(&report.settings)),
@@ -78,6 +81,21 @@ fn facts(report: &Report) -> String {
     facts.extend(report.warnings.iter().map(|warning| ("Warning", escape(warning))));
     let items = facts.iter().map(|(name, value)| format!("<dt>{}</dt><dd>{value}</dd>\n", escape(name)));
     format!("<dl>\n{}</dl>\n", items.collect::<String>())
+}
+
+/// What is known of the reference's own noise.
+fn noise(reference: &Reference) -> String {
+    let (Some(err), Some(energy)) = (reference.noise_err, reference.noise_energy) else {
+        return "its own noise is unknown, and no ± contains it".into();
+    };
+    let source = match reference.noise_source {
+        Some(Source::Parts) => "by the spread of its parts",
+        _ => "by its variance layer, which takes samples as independent: rather too much",
+    };
+    let (err, energy) = (significant(err, 2), significant(100.0 * energy, 2));
+    format!(
+        "its own noise adds about {err} to Err, and ± {energy} % (standard error) to the energy, {source}"
+    )
 }
 
 fn list(settings: &Map<String, Value>) -> String {

@@ -1,27 +1,33 @@
 //! The picture that all others are measured by: rendered once, kept beside the report.
 //!
 //! The file `reference.exr` names, as attributes, its samples a pixel and a hash (BLAKE3) of everything its light
-//! depends on: geometry, materials, textures as loaded, camera, size, integrator, depth, and this program's version. It is
-//! used again only if both are those asked for. A sequence has one for each frame, `reference.0001.exr` and so on.
+//! depends on: geometry, materials, textures as loaded, camera, size, integrator, depth, this program's version and
+//! [`PICTURE_VERSION`], which is raised with every change of the picture. It is used again only if both are those asked for. It is rendered in [`parts`], which tell its [`noise`]. A sequence has one for each frame, `reference.0001.exr` and so on.
 
+pub mod noise;
+pub mod parts;
+
+pub use noise::{Noise, Source};
+
+use super::spread::Spread;
 use crate::error::Error;
 use crate::frame_io::{self, Picture};
-use crate::metrics::{self, luminance};
-use crate::render;
+use crate::metrics;
 use crate::scene::LoadedScene;
 use crate::sequence;
 use crate::settings::{Method, Settings};
+use crate::version::PICTURE_VERSION;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
 /// Its name in the report's folder.
 pub const FILE: &str = "reference.exr";
-/// Its seed: [`run`](super::run) gives this one to no other render.
+/// Its last seed; its parts have this one and those before it, and [`run`](super::run) gives them to no other render.
 const SEED: u32 = u32::MAX;
 /// Attribute with the hash.
 const HASH: &str = "scene_hash";
 /// What the hash begins with, so that another version or another meaning of its parts gives another hash.
-const FORMAT: &str = concat!("pmcip ", env!("CARGO_PKG_VERSION"), " reference 2");
+const FORMAT: &str = concat!("pmcip ", env!("CARGO_PKG_VERSION"), " reference 3");
 
 /// Where the reference came from.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -48,11 +54,14 @@ pub struct Reference {
     pub seed: Option<u32>,
     /// Hash of the scene it shows, if the file says so.
     pub scene_hash: Option<String>,
-    /// What its own noise adds to every Err, if it has a `variance` plane. About: the plane takes samples as
-    /// independent, and stratified ones are better.
+    /// What its own noise adds to every Err, if anything tells it.
     pub noise_err: Option<f64>,
     /// Standard error of its energy over the energy, likewise.
     pub noise_energy: Option<f64>,
+    /// Half the width of the interval of 95 % that follows from it.
+    pub noise_energy_ci95: Option<f64>,
+    /// What told the noise, if anything did.
+    pub noise_source: Option<Source>,
     /// The picture.
     #[serde(skip)]
     pub picture: Picture,
@@ -62,15 +71,17 @@ impl Reference {
     fn new(file: PathBuf, origin: Origin, picture: Picture, cd_per_unit: f64) -> Reference {
         let attribute = |name: &str| picture.attributes.get(name);
         let number = |name: &str| attribute(name).and_then(|text| text.parse().ok());
-        let noise = picture.planes.get("variance").map(|plane| noise(&picture, plane, cd_per_unit));
+        let noise = Noise::of(&picture, cd_per_unit);
         Reference {
             file,
             origin,
             spp: number("spp"),
             seed: number("seed"),
             scene_hash: attribute(HASH).cloned(),
-            noise_err: noise.map(|noise| noise.0),
-            noise_energy: noise.map(|noise| noise.1),
+            noise_err: noise.map(|noise| noise.err),
+            noise_energy: noise.map(|noise| noise.energy.stderr),
+            noise_energy_ci95: noise.map(|noise| noise.energy.ci95),
+            noise_source: noise.map(|noise| noise.source),
             picture,
         }
     }
@@ -101,7 +112,10 @@ impl Reference {
         }
         let picture = frame_io::read_exr(file).map_err(|error| error.to_string())?;
         if picture.attributes.get(HASH) != Some(&fingerprint(scene, settings)) {
-            return Err(format!("{} shows another scene, size, integrator, depth or camera", file.display()));
+            return Err(format!(
+                "{} shows another scene, size, integrator, depth or camera, or is of another version",
+                file.display()
+            ));
         }
         let known = picture.attributes.get("spp").map_or("unknown", String::as_str);
         if known != spp.to_string() {
@@ -110,10 +124,16 @@ impl Reference {
         Ok(Reference::new(file.into(), Origin::Reused, picture, f64::from(scene.cd_per_unit)))
     }
 
-    /// Renders the reference and keeps it in `file`.
+    /// Standard error of its energy over the energy, if anything tells it.
+    pub fn energy_noise(&self) -> Option<Spread> {
+        let (stderr, ci95) = self.noise_energy.zip(self.noise_energy_ci95)?;
+        Some(Spread { stderr, ci95 })
+    }
+
+    /// Renders the reference in [`parts`] and keeps it in `file`.
     ///
     /// # Errors
-    /// As [`render::render`], and [`Error::Write`].
+    /// As [`parts::render`], and [`Error::Write`].
     pub fn render(
         file: &Path,
         scene: &LoadedScene,
@@ -122,14 +142,22 @@ impl Reference {
         threads: Option<usize>,
         progress: &(dyn Fn(u64) + Sync),
     ) -> Result<Reference, Error> {
-        let mut uniform = super::Variant::from(Method::Uniform).settings(scene, settings, spp);
-        (uniform.sampler.seed, uniform.sampler.frame) = (SEED, settings.sampler.frame);
-        let frame = render::render(scene, &uniform, threads, progress)?;
-        let mut picture = frame.picture(&uniform, scene);
+        let uniform = |spp| {
+            let mut uniform = super::Variant::from(Method::Uniform).settings(scene, settings, spp);
+            uniform.sampler.frame = settings.sampler.frame;
+            uniform
+        };
+        let mut picture = parts::render(scene, uniform, (spp, SEED), threads, progress)?;
         picture.attributes.insert(HASH.into(), fingerprint(scene, settings));
         frame_io::write_exr(file, &picture)?;
         Ok(Reference::new(file.into(), Origin::Rendered, picture, f64::from(scene.cd_per_unit)))
     }
+}
+
+/// Seeds that no other render must have, since the reference has them.
+pub fn seeds(picture: &Picture) -> Option<std::ops::RangeInclusive<u32>> {
+    let last: u32 = picture.attributes.get("seed")?.parse().ok()?;
+    Some(last.saturating_sub(noise::seeds(picture) - 1)..=last)
 }
 
 /// The reference of a frame of a sequence, by the name of one of a still picture.
@@ -142,20 +170,13 @@ fn blank(width: u32, height: u32) -> Picture {
     Picture { width, height, rgb: vec![[0.0; 3]; width as usize * height as usize], ..Picture::default() }
 }
 
-/// Mean of variance/tvi, and the standard error of the energy over the energy.
-fn noise(picture: &Picture, variance: &[f32], cd_per_unit: f64) -> (f64, f64) {
-    let sane = |v: &f32| if v.is_finite() { f64::from(v.max(0.0)) } else { 0.0 };
-    let luminances = || picture.rgb.iter().map(|rgb| luminance(*rgb));
-    let weighted = variance
-        .iter()
-        .zip(luminances())
-        .map(|(v, l)| sane(v) * cd_per_unit * cd_per_unit * metrics::acuity(l, cd_per_unit));
-    let sum: f64 = variance.iter().map(sane).sum();
-    (weighted.sum::<f64>() / variance.len() as f64, sum.sqrt() / luminances().sum::<f64>())
-}
-
 /// Hash of everything the light in a picture depends on.
 pub fn fingerprint(scene: &LoadedScene, settings: &Settings) -> String {
+    fingerprint_of(PICTURE_VERSION, scene, settings)
+}
+
+/// The same for a program that makes such pictures.
+fn fingerprint_of(picture_version: u32, scene: &LoadedScene, settings: &Settings) -> String {
     let mut hash = blake3::Hasher::new();
     let mut add = |part: &[u8]| {
         // Lengths keep what ends one part from counting as the beginning of the next.
@@ -163,6 +184,7 @@ pub fn fingerprint(scene: &LoadedScene, settings: &Settings) -> String {
         hash.update(part);
     };
     add(FORMAT.as_bytes());
+    add(&picture_version.to_le_bytes());
     add(bytemuck::cast_slice(&scene.triangles));
     add(bytemuck::cast_slice(&scene.surfaces));
     add(bytemuck::cast_slice(&scene.materials));
@@ -177,4 +199,35 @@ pub fn fingerprint(scene: &LoadedScene, settings: &Settings) -> String {
     add(bytemuck::cast_slice(&numbers));
     add(settings.integrator.limit().as_bytes());
     hash.finalize().to_hex().to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_reference_does_not_survive_a_change_of_the_picture() {
+        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/cornell.toml");
+        let scene = crate::scene::load(&file).unwrap();
+        let settings = Settings::new(&scene, Method::Uniform, Some(4), Some((8, 8)));
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join(FILE);
+        let mut picture = Reference::render(&file, &scene, &settings, 4, Some(1), &|_| ()).unwrap().picture;
+        assert!(Reference::find(&file, &scene, &settings, 4).is_ok());
+        picture.attributes.insert(HASH.into(), fingerprint_of(PICTURE_VERSION - 1, &scene, &settings));
+        frame_io::write_exr(&file, &picture).unwrap();
+        assert!(Reference::find(&file, &scene, &settings, 4).unwrap_err().contains("another version"));
+    }
+
+    #[test]
+    fn seeds_of_a_reference_are_those_of_its_parts() {
+        let of = |list: &[(&str, &str)]| {
+            let attributes = list.iter().map(|(name, value)| ((*name).into(), (*value).into())).collect();
+            seeds(&Picture { attributes, ..Picture::default() })
+        };
+        assert_eq!(of(&[("seed", "9"), ("parts", "8")]), Some(2..=9));
+        assert_eq!(of(&[("seed", "9")]), Some(9..=9));
+        assert_eq!(of(&[("seed", "1"), ("parts", "8")]), Some(0..=1));
+        assert_eq!(of(&[]), None);
+    }
 }

@@ -1,6 +1,7 @@
 //! What methods are compared on: a still picture, or the frames of an animation.
 
-use super::reference;
+use super::reference::{self, Noise};
+use super::spread::Spread;
 use crate::error::Error;
 use crate::frame_io::{self, Picture};
 use crate::scene::{Animation, LoadedScene};
@@ -17,6 +18,8 @@ pub struct Shot<'a> {
     pub base: Settings,
     /// What it is judged by.
     pub reference: &'a Picture,
+    /// Standard error of the reference's energy over the energy, if anything tells it.
+    pub noise: Option<Spread>,
 }
 
 /// Frames and their references.
@@ -91,6 +94,8 @@ impl Stage for Moving<'_> {
     fn show(&mut self, frame: u32) -> Result<Shot<'_>, Error> {
         let (_, base) = self.seek(frame)?;
         self.reference = frame_io::read_exr(&reference::of_frame(&self.references, frame))?;
-        Ok(Shot { scene: self.animation.scene(), base, reference: &self.reference })
+        let scene = self.animation.scene();
+        let noise = Noise::of(&self.reference, f64::from(scene.cd_per_unit)).map(|noise| noise.energy);
+        Ok(Shot { scene, base, reference: &self.reference, noise })
     }
 }

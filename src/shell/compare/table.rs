@@ -1,12 +1,14 @@
 //! A comparison as text: the table of ratios for a terminal, and all rows for a spreadsheet.
 
 use super::ratio::Ratio;
+use super::reference::Source;
 use super::report::Report;
 use super::{FrameRow, Row};
 
 /// Columns of the rows that everybody may rely on.
 const COLUMNS: &str = "method,spp,iterations,estimator,seconds,err,p_eff,err_lowpass,mse,rel_mse,rel_mse_trimmed,\
-                       energy_bias,energy_bias_stderr,runs,err_stderr,err_lowpass_stderr,rel_mse_stderr,flicker";
+                       energy_bias,energy_bias_stderr,runs,err_stderr,err_lowpass_stderr,rel_mse_stderr,flicker,\
+                       energy_bias_ci95";
 
 /// The rows as comma-separated values; what is not known is empty.
 pub fn csv(rows: &[Row]) -> String {
@@ -18,7 +20,8 @@ pub fn csv(rows: &[Row]) -> String {
             [row.seconds, m.err, row.p_eff, m.err_lowpass, m.mse, m.rel_mse, m.rel_mse_trimmed].map(cell);
         let bias = [row.energy_bias, row.energy_bias_stderr].map(cell).join(",");
         let errors = errors.map(cell).join(",");
-        format!("{head},{},{bias},{},{errors},{}\n", middle.join(","), row.runs, cell(m.flicker))
+        let tail = [m.flicker, row.energy_bias_ci95].map(cell).join(",");
+        format!("{head},{},{bias},{},{errors},{tail}\n", middle.join(","), row.runs)
     });
     format!("{COLUMNS}\n{}", lines.collect::<String>())
 }
@@ -46,7 +49,7 @@ fn cell(value: f64) -> String {
 pub fn ratios(report: &Report) -> String {
     let width = report.rows.iter().map(|row| row.method.len()).max().unwrap_or(0).max("method".len());
     let mut text = format!(
-        "{:width$}  {:>5} {:>8} {:>10}   {:<26}   {:<26}  {:>6}   energy bias\n",
+        "{:width$}  {:>5} {:>8} {:>10}   {:<26}   {:<26}  {:>6}   energy bias, 95 %\n",
         "", "", "", "", "uniform ÷ method, same spp", "at equal time", ""
     );
     let names = format!("{:>8}  {:>8} {:>7}", "Err", "low-pass", "relMSE");
@@ -74,8 +77,15 @@ pub fn ratios(report: &Report) -> String {
             group(time.as_ref()),
             number(same.map_or(f64::NAN, |ratio| ratio.p_eff_gain)),
             100.0 * row.energy_bias,
-            100.0 * row.energy_bias_stderr,
+            100.0 * row.energy_bias_ci95,
         );
+    }
+    match report.reference.noise_source {
+        Some(Source::Parts) => {}
+        Some(Source::Variance) => {
+            text += "± has the reference's noise by its variance layer: rather too wide\n"
+        }
+        None => text += "± is without the reference's own noise, which is unknown\n",
     }
     if let Some(ratio) = report.oracle_ratio {
         text += &format!("oracle ratio {ratio:.2}: what known variances would gain in Err at equal spp\n");

@@ -6,7 +6,7 @@ use super::error::read;
 use super::keys::{self, CameraKey, Fault, Keys, LightKey, MaterialKey, MeshKey, SphereKey};
 use super::track::Interpolation;
 use super::value::{
-    FieldOfView, Point, Positive, Power, Radiance, Reflectance, Scale, Size, Subdivisions, Unit,
+    FieldOfView, Point, Positive, Power, Radiance, Reflectance, Roughness, Scale, Size, Subdivisions,
 };
 use super::{Animation, Error, Frames, View, obj, shapes};
 use pmcip_core::scene::{Material, Scattering};
@@ -119,7 +119,7 @@ pub(super) struct MaterialTable {
     kind: Kind,
     diffuse: Option<Reflectance>,
     specular: Option<Reflectance>,
-    roughness: Option<Unit>,
+    roughness: Option<Roughness>,
     ior: Option<Positive>,
     pub emission: Option<Radiance>,
     #[serde(default)]

@@ -9,14 +9,11 @@ use super::Error;
 use super::assemble::Assembly;
 use super::error::read;
 use super::obj_text::{CheckedObj, data, logical_lines, split};
-use pmcip_core::scene::{Material, NO_TEXTURE, Scattering};
+use pmcip_core::scene::{MIN_ROUGHNESS, Material, NO_TEXTURE, Scattering};
 use std::collections::HashMap;
 use std::fmt::Write;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
-
-/// The narrowest lobe: below, `f32` cannot resolve the distribution's peak.
-const LEAST_ROUGHNESS: f32 = 1e-3;
 
 /// The index of a dielectric that does not give one: glass.
 const DEFAULT_IOR: f32 = 1.5;
@@ -175,7 +172,7 @@ fn scattering(source: &tobj::Material) -> Scattering {
 
 /// GGX width of a Phong exponent, by equal slope variance (Walter et al. 2007).
 fn roughness(exponent: f32) -> f32 {
-    (2.0 / (exponent.max(0.0) + 2.0)).sqrt().max(LEAST_ROUGHNESS)
+    (2.0 / (exponent.max(0.0) + 2.0)).sqrt().max(MIN_ROUGHNESS)
 }
 
 fn reflectance(value: [f32; 3], key: &str, context: &str, assembly: &mut Assembly) -> [f32; 3] {

@@ -2,6 +2,7 @@
 
 use super::MAX_SIZE;
 use glam::Vec3;
+use pmcip_core::scene::MIN_ROUGHNESS;
 use serde::{Deserialize, Deserializer, de::Error};
 
 /// Declares a type that can only be read if its value passes a test.
@@ -35,7 +36,7 @@ checked!(
 );
 checked!(
     /// The width of a lobe.
-    Unit(f32), "a number above 0, at most 1", |v| *v > 0.0 && *v <= 1.0
+    Roughness(f32), "a number from 0.000001 to 1", |v| (MIN_ROUGHNESS..=1.0).contains(v)
 );
 checked!(
     /// An angle in degrees.

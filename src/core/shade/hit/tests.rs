@@ -137,7 +137,7 @@ impl Twin {
         let [p, q] = [b, c].map(|corner| [0, 1, 2].map(|i| corner[i] - a[i]));
         let front = unit([p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]]);
         let surface = &world.surfaces[triangle];
-        let smooth = if triangle % 4 == 0 { front } else { unit(mix(surface.normals)) };
+        let smooth = if triangle.is_multiple_of(4) { front } else { unit(mix(surface.normals)) };
         let uv = mix(surface.uv.map(|[u, v]| [u, v, 0.0]));
         let material = &world.materials[surface.material as usize];
         let texture = TEXTURES.get(material.texture as usize).map_or([1.0; 3], |t| texel(t, uv[0], uv[1]));

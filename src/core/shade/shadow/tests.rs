@@ -29,7 +29,7 @@ const fn value(n: u32) -> [f32; 3] {
 fn each_value_reaches_its_sample_once() {
     const RAYS: u32 = 64;
     let slot: fn(u32) -> u32 = |n| (n * 37 + 5) % RAYS;
-    let wanted = |n: u32| crate::sobol::hash(n) % 4 != 0;
+    let wanted = |n: u32| !crate::sobol::hash(n).is_multiple_of(4);
     let mut radiance = [Rgb8::default(); RAYS as usize / 8];
     let mut shadows = Shadows::default();
     let mut packets = 0;
