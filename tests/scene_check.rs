@@ -79,6 +79,12 @@ fn a_sound_scene_is_accepted() {
     assert!(Scene::new(SceneData::default()).is_ok());
 }
 
+/// The first box reaches higher.
+fn too_high(mut node: Node8) -> Node8 {
+    node.upper[1][0] = 2.0;
+    node
+}
+
 #[test]
 fn every_fault_is_named() {
     let fault = |change: fn(&mut Parts)| checked(change).unwrap_err();
@@ -96,6 +102,12 @@ fn every_fault_is_named() {
     assert_eq!(fault(|p| p.nodes[0].upper[1][0] = f32::NAN), Error::Node(0), "a box that is none");
     assert_eq!(fault(|p| p.nodes[0].lower[2][0] = f32::NEG_INFINITY), Error::Node(0), "a box without end");
     assert_eq!(fault(|p| p.nodes[0].lower[1][0] = 2.0), Error::Node(0), "a box inside out");
+    assert_eq!(fault(|p| p.nodes[0].upper[0][0] = 0.5), Error::Bounds(0), "a box too small for its triangle");
+    assert_eq!(
+        fault(|p| p.nodes = vec![node(1, 0), too_high(node(0, 1))]),
+        Error::Bounds(0),
+        "a box too small"
+    );
     assert_eq!(fault(|p| p.nodes[0] = behind_a_hole(node(0, 1))), Error::Node(0), "a child behind a hole");
     assert_eq!(fault(|p| p.nodes[0].lower[1][5] = 0.0), Error::Node(0), "half an empty box");
     assert_eq!(fault(|p| p.nodes[0].count[7] = 1), Error::Node(0), "triangles of nobody");

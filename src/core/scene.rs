@@ -136,7 +136,7 @@ pub const MAX_LIGHT_DEPTH: u32 = 10;
 
 /// Eight boxes and what is in them: a node of the bounding volume hierarchy, four cache lines.
 ///
-/// Children that are there come first and have finite boxes; the others have the boxes of [`EMPTY`](Self::EMPTY).
+/// Children that are there come first and have finite boxes that enclose what is below them; the others have the boxes of [`EMPTY`](Self::EMPTY).
 #[repr(C, align(64))]
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 pub struct Node8 {
@@ -182,6 +182,19 @@ impl Node8 {
                 && self.count[child] == 0
         };
         ((0..used).all(finite) && (used..8).all(empty)).then_some(used)
+    }
+
+    /// Whether the box of `child` encloses another.
+    fn encloses(&self, child: usize, lower: [f32; 3], upper: [f32; 3]) -> bool {
+        (0..3).all(|k| self.lower[k][child] <= lower[k] && upper[k] <= self.upper[k][child])
+    }
+
+    /// Whether the box of `child` encloses all of a node's boxes.
+    fn encloses_node(&self, child: usize, node: &Node8) -> bool {
+        let corner = |rows: &[[f32; 8]; 3], i: usize| rows.map(|row| row[i]);
+        (0..8)
+            .filter(|&i| node.is_used(i))
+            .all(|i| self.encloses(child, corner(&node.lower, i), corner(&node.upper, i)))
     }
 }
 
@@ -260,6 +273,8 @@ pub enum Error {
     /// The node of this index has a child that does not exist or comes before it, a leaf with more than eight triangles or
     /// some that do not exist, a box that is neither finite nor empty, or an empty one before another.
     Node(usize),
+    /// The node of this index has a box that does not enclose what is below it.
+    Bounds(usize),
     /// The leaf of this index has other corners than its triangles, or more of them.
     Leaf(usize),
     /// The hierarchy has more than [`MAX_DEPTH`] levels.
@@ -289,6 +304,7 @@ impl core::fmt::Display for Error {
             Error::Node(i) => {
                 write!(f, "node {i} refers to a child or a triangle that is not there, or a box is not a box")
             }
+            Error::Bounds(i) => write!(f, "a box of node {i} does not enclose what is below it"),
             Error::Leaf(i) => write!(f, "leaf {i} does not hold the triangles it stands for"),
             Error::TooDeep => write!(f, "the hierarchy has more than {MAX_DEPTH} levels"),
             Error::Surface(i) => write!(f, "surface {i} names a material that is not there"),
@@ -373,9 +389,16 @@ fn check_tree(data: &SceneData) -> Result<(), Error> {
                 if !data.leaves[first].holds(triangles) {
                     return Err(Error::Leaf(first));
                 }
+                let mut corners = triangles.iter().flat_map(|t| t.corners);
+                if !corners.all(|c| node.encloses(child, c, c)) {
+                    return Err(Error::Bounds(index as usize));
+                }
             } else {
                 if first <= index as usize || first >= data.nodes.len() {
                     return Err(Error::Node(index as usize));
+                }
+                if !node.encloses_node(child, &data.nodes[first]) {
+                    return Err(Error::Bounds(index as usize));
                 }
                 stack[top] = (node.child[child], depth + 1);
                 top += 1;

@@ -26,9 +26,9 @@ pub(crate) struct Fair {
 }
 
 impl Fair {
-    /// After a first iteration that gave every pixel `given` samples: `count` in all, or just these if that is less.
+    /// After a first iteration that gave every pixel `given` samples: `count` in all, at least these and one.
     pub fn new(count: u32, given: u32) -> Fair {
-        Fair { count: count.max(given), promised: u64::from(given) << FRACTION_BITS }
+        Fair { count: count.max(given).max(1), promised: u64::from(given) << FRACTION_BITS }
     }
 
     /// Promises `more` samples a pixel.

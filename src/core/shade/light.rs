@@ -55,7 +55,7 @@ fn emits(surface: &Surface, materials: &[Material]) -> bool {
 /// Fills `out` with the table of emitting triangles and returns how many entries it has.
 ///
 /// `out` should hold [`count`] entries; emitters beyond its end are left out. A triangle without area is no
-/// light.
+/// light. Lights are picked by numbers in steps of 2⁻²⁴: one with less of the total power may never be picked.
 pub fn build(
     triangles: &[Triangle],
     surfaces: &[Surface],

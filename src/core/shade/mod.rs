@@ -19,6 +19,3 @@ mod rough;
 mod shadow;
 pub mod shoot;
 mod specular;
-
-#[cfg(test)]
-mod tests;

@@ -324,8 +324,9 @@ pub(super) fn aim(
     let direction = toward * (f32x8::ONE / distance);
     let cosine = -direction.dot(point.normal);
     let (value, scattered) = bsdf.evaluate(frame.to_local(direction));
-    let density = point.density * distance * distance / cosine;
-    let weight = power_heuristic(density, scattered * share) / density;
+    let per_solid_angle = distance * distance / cosine;
+    let weight = power_heuristic(point.density * per_solid_angle, scattered * share)
+        / (point.exact_density * per_solid_angle);
     let value = paths.throughput.scaled(value).scaled(point.radiance) * weight;
     let lit = cosine.simd_gt(f32x8::ZERO);
     let origin = surface.leave(toward);
