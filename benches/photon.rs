@@ -3,14 +3,14 @@
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use pmcip::photons::{Order, Photons};
 use pmcip::scene::{self, LoadedScene};
-use pmcip_core::batch::{Batch8, Integrand, Rgb8};
-use pmcip_core::camera::Camera;
-use pmcip_core::photon::{self, Leaf, Neighbours, Photon, Query, Split, Tree};
-use pmcip_core::scene::Scene;
-use pmcip_core::shade::gather::Gather;
-use pmcip_core::shade::path::{Packet, PathTracer};
-use pmcip_core::shade::shoot::{Map, Shooter, Shots};
-use pmcip_core::sobol;
+use pmcip_core::maths::sobol;
+use pmcip_core::sampler::batch::{Batch8, Integrand, Rgb8};
+use pmcip_core::tracer::camera::Camera;
+use pmcip_core::tracer::photon::{self, Leaf, Neighbours, Photon, Query, Split, Tree};
+use pmcip_core::tracer::scene::Scene;
+use pmcip_core::tracer::shade::gather::Gather;
+use pmcip_core::tracer::shade::path::{Packet, PathTracer};
+use pmcip_core::tracer::shade::shoot::{Map, Shooter, Shots};
 use std::path::Path;
 use wide::{f32x8, u32x8};
 

@@ -4,13 +4,13 @@
 //! all steps with it, at sizes from 256×256 to 4096×4096.
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use pmcip_core::allocate::{Mixture, allocate};
-use pmcip_core::batch::{Batch8, Integrand, Rgb8};
-use pmcip_core::estimate::Estimator;
-use pmcip_core::kernel::{Criterion as Evened, Kernel, Window};
+use pmcip_core::maths::vec3::Vec3x8;
+use pmcip_core::maths::{functions, sobol, tvi};
+use pmcip_core::sampler::allocate::{Mixture, allocate};
+use pmcip_core::sampler::batch::{Batch8, Integrand, Rgb8};
+use pmcip_core::sampler::estimate::Estimator;
+use pmcip_core::sampler::kernel::{Criterion as Evened, Kernel, Window};
 use pmcip_core::sampler::{Memory, Sampler, Settings, Workspace};
-use pmcip_core::vec3::Vec3x8;
-use pmcip_core::{math, sobol, tvi};
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 use wide::{f32x8, u32x8};
@@ -134,9 +134,9 @@ fn functions(c: &mut Criterion) {
     let x = f32x8::new([0.01, 0.1, 0.2, 0.3, 0.4, 0.5, 0.7, 0.9]);
     let mut group = c.benchmark_group("math");
     group.throughput(Throughput::Elements(8));
-    group.bench_function("log2/8", |b| b.iter(|| math::log2(black_box(x))));
-    group.bench_function("exp2/8", |b| b.iter(|| math::exp2(black_box(x))));
-    group.bench_function("sin-cos-turn/8", |b| b.iter(|| math::sin_cos_turn(black_box(x))));
+    group.bench_function("log2/8", |b| b.iter(|| functions::log2(black_box(x))));
+    group.bench_function("exp2/8", |b| b.iter(|| functions::exp2(black_box(x))));
+    group.bench_function("sin-cos-turn/8", |b| b.iter(|| functions::sin_cos_turn(black_box(x))));
     group.finish();
     let v = Vec3x8::new(x, x, x);
     c.benchmark_group("vec3").throughput(Throughput::Elements(8)).bench_function("normalized/8", |b| {

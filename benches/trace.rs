@@ -2,13 +2,13 @@
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use pmcip::scene::{self, LoadedScene};
-use pmcip_core::batch::{Batch8, Integrand, Rgb8};
-use pmcip_core::camera::Camera;
-use pmcip_core::scene::Scene;
-use pmcip_core::shade::path::{Packet, PathTracer};
-use pmcip_core::sobol;
-use pmcip_core::trace::{MISS, Rays8, Tracer};
-use pmcip_core::vec3::Vec3x8;
+use pmcip_core::maths::sobol;
+use pmcip_core::maths::vec3::Vec3x8;
+use pmcip_core::sampler::batch::{Batch8, Integrand, Rgb8};
+use pmcip_core::tracer::camera::Camera;
+use pmcip_core::tracer::scene::Scene;
+use pmcip_core::tracer::shade::path::{Packet, PathTracer};
+use pmcip_core::tracer::trace::{MISS, Rays8, Tracer};
 use std::path::Path;
 use wide::{f32x8, u32x8};
 
@@ -57,7 +57,7 @@ fn bounced(tracer: &mut Tracer<'_>, primary: &[Rays8]) -> Vec<Rays8> {
         let (u, v) = sobol::point(u32x8::ZERO, key, 1);
         let z = u * f32x8::splat(2.0) - f32x8::ONE;
         let r = (f32x8::ONE - z * z).sqrt();
-        let (sin, cos) = pmcip_core::math::sin_cos_turn(v);
+        let (sin, cos) = pmcip_core::maths::functions::sin_cos_turn(v);
         let hit = hits.triangle.simd_ne(u32x8::splat(MISS));
         let endless: f32x8 = f32x8::splat(f32::INFINITY);
         Rays8 {

@@ -70,7 +70,7 @@ fn meshes_move_turn_and_grow_as_their_keys_say() {
     // The others stand still, and the hierarchy fits.
     near(bounds(&animation, 2), [[-1.0, 9.0, -1.0], [1.0, 9.0, 1.0]]);
     let data = animation.scene().data();
-    assert!(pmcip_core::scene::Scene::new(data).is_ok());
+    assert!(pmcip_core::tracer::scene::Scene::new(data).is_ok());
 }
 
 #[test]

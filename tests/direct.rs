@@ -6,12 +6,12 @@
 mod common;
 
 use common::{Owned, inward_box, mean_and_error, render_with};
-use pmcip_core::batch::Integrand;
-use pmcip_core::camera::Camera;
+use pmcip_core::sampler::batch::Integrand;
 use pmcip_core::sampler::{Schedule, Settings};
-use pmcip_core::scene::{Material, Scattering, Scene, Triangle};
-use pmcip_core::shade::direct::{DirectLighting, Samples};
-use pmcip_core::shade::path::{Packet, PathTracer};
+use pmcip_core::tracer::camera::Camera;
+use pmcip_core::tracer::scene::{Material, Scattering, Scene, Triangle};
+use pmcip_core::tracer::shade::direct::{DirectLighting, Samples};
+use pmcip_core::tracer::shade::path::{Packet, PathTracer};
 
 const SIDE: u32 = 16;
 const SEEDS: u32 = 24;

@@ -4,8 +4,8 @@
 mod turned;
 
 use pmcip::scene;
-use pmcip_core::features::{self, Feature, Picture, Settings};
-use pmcip_core::homography::{self, Block, Pair};
+use pmcip_core::predict::features::{self, Feature, Picture, Settings};
+use pmcip_core::predict::homography::{self, Block, Pair};
 use std::path::Path;
 use turned::{SIDE, TURNS, coded, motion};
 

@@ -7,12 +7,14 @@
 mod common;
 
 use common::{Owned, inward_box, mean_and_error, render};
-use pmcip_core::batch::{Batch8, Integrand, Rgb8};
-use pmcip_core::camera::Camera;
+use pmcip_core::sampler::batch::{Batch8, Integrand, Rgb8};
 use pmcip_core::sampler::{Schedule, Settings};
-use pmcip_core::scene::{MIN_ROUGHNESS, Material, Scattering, Scene, SceneData, Surface, Texture, Triangle};
-use pmcip_core::shade::direct::{DirectLighting, Samples};
-use pmcip_core::shade::path::PathTracer;
+use pmcip_core::tracer::camera::Camera;
+use pmcip_core::tracer::scene::{
+    MIN_ROUGHNESS, Material, Scattering, Scene, SceneData, Surface, Texture, Triangle,
+};
+use pmcip_core::tracer::shade::direct::{DirectLighting, Samples};
+use pmcip_core::tracer::shade::path::PathTracer;
 use wide::f32x8;
 
 const SIDE: u32 = 16;

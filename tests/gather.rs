@@ -1,6 +1,6 @@
 //! Photon mapping against what is known: emitted power, a small lamp over a floor, furnaces, and the path tracer.
 //!
-//! The method is biased (see `pmcip_core::shade::gather`), so pictures are compared within a stated part. Standard
+//! The method is biased (see `pmcip_core::tracer::shade::gather`), so pictures are compared within a stated part. Standard
 //! errors come from independent seeds, those of the maps included.
 
 mod common;
@@ -10,13 +10,13 @@ use pmcip::metrics::luminance;
 use pmcip::photons::{Order, Photons};
 use pmcip::scene::{self, LoadedScene};
 use pmcip::settings::{self, Integrator, Method};
-use pmcip_core::camera::Camera;
-use pmcip_core::photon::{self, Irradiance, Leaf, Photon, Split, Tree};
 use pmcip_core::sampler::{Schedule, Settings};
-use pmcip_core::scene::{Material, Scattering, Scene, Triangle};
-use pmcip_core::shade::gather::Gather;
-use pmcip_core::shade::path::Packet;
-use pmcip_core::shade::shoot::{Map, Shooter, Shots};
+use pmcip_core::tracer::camera::Camera;
+use pmcip_core::tracer::photon::{self, Irradiance, Leaf, Photon, Split, Tree};
+use pmcip_core::tracer::scene::{Material, Scattering, Scene, Triangle};
+use pmcip_core::tracer::shade::gather::Gather;
+use pmcip_core::tracer::shade::path::Packet;
+use pmcip_core::tracer::shade::shoot::{Map, Shooter, Shots};
 use rayon::prelude::*;
 use std::path::Path;
 

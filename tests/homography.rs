@@ -4,7 +4,7 @@
 mod pairs;
 
 use pairs::{PAIRS, Problem, Problems};
-use pmcip_core::homography::{self, Block, Error, Homography, Pair, Settings};
+use pmcip_core::predict::homography::{self, Block, Error, Homography, Pair, Settings};
 
 /// Corner errors of all problems at a threshold.
 fn errors(problems: &[Problem], threshold: f64) -> Vec<f64> {

@@ -7,9 +7,9 @@
 mod common;
 
 use common::{Owned, Random, inward_box, mean_and_error, render};
-use pmcip_core::camera::Camera;
 use pmcip_core::sampler::{Schedule, Settings};
-use pmcip_core::scene::{Material, Triangle};
+use pmcip_core::tracer::camera::Camera;
+use pmcip_core::tracer::scene::{Material, Triangle};
 
 const SIDE: u32 = 16;
 const SPP: u32 = 8;

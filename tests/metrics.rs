@@ -3,7 +3,7 @@
 use pmcip::error::Error;
 use pmcip::frame_io::Picture;
 use pmcip::metrics::{luminance, measure, oracle_ratio};
-use pmcip_core::tvi::tvi;
+use pmcip_core::maths::tvi::tvi;
 use wide::f32x8;
 
 const WIDTH: u32 = 50;

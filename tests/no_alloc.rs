@@ -5,17 +5,17 @@ mod common;
 #[path = "no_std/frame.rs"]
 mod frame;
 
-use pmcip_core::batch::{Batch8, Integrand};
-use pmcip_core::camera::Camera;
-use pmcip_core::features::{self, Feature, Picture};
-use pmcip_core::homography::{self, Block, Pair};
-use pmcip_core::photon::{self, Irradiance, Leaf, Photon, Split, Tree};
+use pmcip_core::predict::features::{self, Feature, Picture};
+use pmcip_core::predict::homography::{self, Block, Pair};
 use pmcip_core::predict::tracks::{self, Tracks};
 use pmcip_core::predict::{Belief, Filter, carry};
-use pmcip_core::scene::Material;
-use pmcip_core::shade::gather::{Gather, Maps};
-use pmcip_core::shade::path::Packet;
-use pmcip_core::shade::shoot::{Map, Shooter, Shots};
+use pmcip_core::sampler::batch::{Batch8, Integrand};
+use pmcip_core::tracer::camera::Camera;
+use pmcip_core::tracer::photon::{self, Irradiance, Leaf, Photon, Split, Tree};
+use pmcip_core::tracer::scene::Material;
+use pmcip_core::tracer::shade::gather::{Gather, Maps};
+use pmcip_core::tracer::shade::path::Packet;
+use pmcip_core::tracer::shade::shoot::{Map, Shooter, Shots};
 use wide::f32x8;
 
 use std::alloc::{GlobalAlloc, Layout, System};

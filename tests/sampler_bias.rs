@@ -2,8 +2,8 @@
 //!
 //! Every bound is in standard errors of the mean over independent seeds; seeds are fixed, so a pass stays a pass.
 
-use pmcip_core::batch::{Batch8, Integrand, Rgb8};
-use pmcip_core::estimate::Estimator;
+use pmcip_core::sampler::batch::{Batch8, Integrand, Rgb8};
+use pmcip_core::sampler::estimate::Estimator;
 use pmcip_core::sampler::{Memory, Sampler, Schedule, Sequence, Settings, Workspace};
 use rayon::prelude::*;
 use wide::f32x8;

@@ -1,8 +1,8 @@
 //! The loop: same bits in any order and any workspace, exact counts, refused misuse, rejected samples.
 
-use pmcip_core::batch::{Batch8, Integrand, Rgb8};
-use pmcip_core::estimate::Estimator;
-use pmcip_core::film::BYTES_PER_PIXEL;
+use pmcip_core::sampler::batch::{Batch8, Integrand, Rgb8};
+use pmcip_core::sampler::estimate::Estimator;
+use pmcip_core::sampler::film::BYTES_PER_PIXEL;
 use pmcip_core::sampler::{
     Error, Job, Memory, Mode, Sampler, Schedule, Sequence, Settings, Tally, Workspace,
 };

@@ -1,10 +1,10 @@
 //! `Scene::new` refuses what would lead a ray astray, and names it; the light table follows power.
 
-use pmcip_core::scene::{
+use pmcip_core::tracer::scene::light;
+use pmcip_core::tracer::scene::{
     Error, Leaf8, Light, LightNode8, MAX_DEPTH, MIN_ROUGHNESS, Material, NO_TEXTURE, Node8, Scene, SceneData,
     Surface, Texture, Triangle,
 };
-use pmcip_core::shade::light;
 
 /// A valid scene of one lit triangle, changed by `change` before it is checked.
 fn checked(change: impl FnOnce(&mut Parts)) -> Result<(), Error> {

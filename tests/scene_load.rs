@@ -5,7 +5,7 @@ mod scene_files;
 use pmcip::render;
 use pmcip::scene::{LoadedScene, load, load_lit};
 use pmcip::settings::{Method, Settings};
-use pmcip_core::scene::{Scattering, Scene};
+use pmcip_core::tracer::scene::{Scattering, Scene};
 use scene_files::{SQUARE, folder, load_files};
 use std::path::Path;
 

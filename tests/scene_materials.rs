@@ -3,7 +3,7 @@
 mod scene_files;
 
 use pmcip::scene::{LoadedScene, load};
-use pmcip_core::scene::{MIN_ROUGHNESS, Material, NO_TEXTURE, Scattering, Scene};
+use pmcip_core::tracer::scene::{MIN_ROUGHNESS, Material, NO_TEXTURE, Scattering, Scene};
 use scene_files::{SQUARE, folder, load_files};
 
 /// The material of an OBJ that uses one called `m`.

@@ -3,9 +3,9 @@
 mod common;
 
 use common::{Owned, Random, inward_box};
-use pmcip_core::scene::{Material, Triangle};
-use pmcip_core::trace::{MISS, Rays8, Tracer};
-use pmcip_core::vec3::Vec3x8;
+use pmcip_core::maths::vec3::Vec3x8;
+use pmcip_core::tracer::scene::{Material, Triangle};
+use pmcip_core::tracer::trace::{MISS, Rays8, Tracer};
 use wide::f32x8;
 
 type Ray = ([f32; 3], [f32; 3], f32);

@@ -14,8 +14,8 @@ use pmcip::predict::Predictor;
 use pmcip::render::{render, render_while};
 use pmcip::scene::{self, LoadedScene};
 use pmcip::settings::{Method, Settings};
-use pmcip_core::estimate::Estimator;
 use pmcip_core::sampler::Sampler;
+use pmcip_core::sampler::estimate::Estimator;
 use rayon::prelude::*;
 use std::path::Path;
 

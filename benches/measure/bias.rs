@@ -6,8 +6,8 @@
 //! of continued sequences that of a uniform render with the same seed is subtracted, whose points are nearly the scheduled
 //! ones and whose expectation is known: common random numbers.
 
-use pmcip_core::batch::{Batch8, Integrand, Rgb8};
-use pmcip_core::estimate::Estimator;
+use pmcip_core::sampler::batch::{Batch8, Integrand, Rgb8};
+use pmcip_core::sampler::estimate::Estimator;
 use pmcip_core::sampler::{Memory, Sampler, Schedule, Sequence, Settings, Workspace};
 use rayon::prelude::*;
 use wide::f32x8;

@@ -10,8 +10,8 @@
 mod turned;
 
 use pmcip::scene::{self, View};
-use pmcip_core::features::{self, Feature, Picture};
-use pmcip_core::homography::{self, Block, Fit, Homography, Pair};
+use pmcip_core::predict::features::{self, Feature, Picture};
+use pmcip_core::predict::homography::{self, Block, Fit, Homography, Pair};
 use std::path::Path;
 use std::time::Instant;
 use turned::{SIDE, TURNS, coded, motion};

@@ -8,7 +8,7 @@
 mod pairs;
 
 use pairs::{PAIRS, Problem, Problems};
-use pmcip_core::homography::{self, Block, Settings};
+use pmcip_core::predict::homography::{self, Block, Settings};
 use std::time::Instant;
 
 fn main() -> std::io::Result<()> {

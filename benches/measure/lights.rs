@@ -8,7 +8,7 @@ use pmcip::metrics;
 use pmcip::render;
 use pmcip::scene::{self, LoadedScene};
 use pmcip::settings::{Integrator, Method, Settings};
-use pmcip_core::sobol::hash;
+use pmcip_core::maths::sobol::hash;
 use std::fmt::Write;
 
 const SIZE: (u32, u32) = (96, 72);
@@ -119,7 +119,7 @@ fn flatten(scene: &mut LoadedScene) {
     for (i, node) in scene.light_nodes.iter_mut().enumerate().rev() {
         let used = node.power.iter().take_while(|power| **power > 0.0).count();
         for child in 0..used {
-            let leaf = node.child[child] & pmcip_core::scene::LIGHT_LEAF != 0;
+            let leaf = node.child[child] & pmcip_core::tracer::scene::LIGHT_LEAF != 0;
             let count = if leaf { 1 } else { held[node.child[child] as usize] };
             held[i] += count;
             node.power[child] = count as f32 / scene.lights.len() as f32;

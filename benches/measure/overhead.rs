@@ -4,8 +4,8 @@
 //! `cargo run --release --example overhead -- [RUNS [SPP]]` prints a Markdown table of medians; the sides of each
 //! row alternate, so that a noisy machine hurts them alike.
 
-use pmcip_core::batch::{Batch8, Integrand, Rgb8};
-use pmcip_core::film::BYTES_PER_PIXEL;
+use pmcip_core::sampler::batch::{Batch8, Integrand, Rgb8};
+use pmcip_core::sampler::film::BYTES_PER_PIXEL;
 use pmcip_core::sampler::{Memory, Sampler, Settings, Workspace};
 use std::hint::black_box;
 use std::time::Instant;

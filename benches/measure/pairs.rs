@@ -1,6 +1,6 @@
 //! Point pairs under a known homography, with noise and outliers: the data that robust estimators are judged by.
 
-use pmcip_core::homography::{Homography, Pair};
+use pmcip_core::predict::homography::{Homography, Pair};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
 

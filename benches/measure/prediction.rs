@@ -10,9 +10,9 @@ use pmcip::render;
 use pmcip::scene::{Animation, LoadedScene};
 use pmcip::sequence::Range;
 use pmcip::settings::{Method, Settings, Startup};
-use pmcip_core::kernel::{Criterion, Kernel};
 use pmcip_core::predict::Belief;
 use pmcip_core::sampler::Sampler;
+use pmcip_core::sampler::kernel::{Criterion, Kernel};
 use std::path::Path;
 
 /// A sequence of one seed.

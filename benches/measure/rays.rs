@@ -13,9 +13,9 @@ use obvhs::ray::{Ray, RayHit};
 use obvhs::rt_triangle::RtTriangle;
 use obvhs::{BvhBuildParams, bvh2::Bvh2, triangle::Triangle};
 use pmcip::scene::{self, LoadedScene};
-use pmcip_core::scene::Scene;
-use pmcip_core::trace::{MISS, Rays8, Tracer};
-use pmcip_core::vec3::Vec3x8;
+use pmcip_core::maths::vec3::Vec3x8;
+use pmcip_core::tracer::scene::Scene;
+use pmcip_core::tracer::trace::{MISS, Rays8, Tracer};
 use std::path::Path;
 use std::time::{Duration, Instant};
 use wide::f32x8;
@@ -122,7 +122,7 @@ struct Other {
 
 impl Other {
     fn new(loaded: &LoadedScene) -> Other {
-        let triangle = |t: &pmcip_core::scene::Triangle| {
+        let triangle = |t: &pmcip_core::tracer::scene::Triangle| {
             let [v0, v1, v2] = t.corners.map(Vec3A::from_array);
             Triangle { v0, v1, v2 }
         };

@@ -6,9 +6,9 @@
 mod study;
 
 use pmcip::settings::{Method, Settings};
-use pmcip_core::estimate::Estimator;
-use pmcip_core::kernel::{Criterion, Window};
 use pmcip_core::sampler::Sequence;
+use pmcip_core::sampler::estimate::Estimator;
+use pmcip_core::sampler::kernel::{Criterion, Window};
 use study::Study;
 
 /// A change to the default settings, by name.

@@ -3,8 +3,8 @@
 use pmcip::render;
 use pmcip::scene::{LoadedScene, View};
 use pmcip::settings::{Method, Settings};
-use pmcip_core::features::{self, Picture};
-use pmcip_core::homography::{Homography, Pair};
+use pmcip_core::predict::features::{self, Picture};
+use pmcip_core::predict::homography::{Homography, Pair};
 
 /// Side of the pictures in pixels.
 pub const SIDE: usize = 512;

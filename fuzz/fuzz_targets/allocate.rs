@@ -4,7 +4,7 @@
 
 use arbitrary::Arbitrary;
 use libfuzzer_sys::fuzz_target;
-use pmcip_core::allocate::{Mixture, allocate};
+use pmcip_core::sampler::allocate::{Mixture, allocate};
 
 #[derive(Arbitrary, Debug)]
 struct Input {

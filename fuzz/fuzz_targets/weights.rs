@@ -4,9 +4,9 @@
 
 use arbitrary::Arbitrary;
 use libfuzzer_sys::fuzz_target;
-use pmcip_core::batch::{Batch8, Integrand, Rgb8};
-use pmcip_core::estimate::Estimator;
-use pmcip_core::kernel::{Criterion, Kernel, Window};
+use pmcip_core::sampler::batch::{Batch8, Integrand, Rgb8};
+use pmcip_core::sampler::estimate::Estimator;
+use pmcip_core::sampler::kernel::{Criterion, Kernel, Window};
 use pmcip_core::sampler::{Memory, Sampler, Sequence, Settings, Workspace};
 use wide::f32x8;
 

@@ -5,10 +5,10 @@
 
 extern crate std;
 
-use crate::batch::{Batch8, Integrand, Rgb8};
-use crate::math;
+use crate::maths::functions;
+use crate::maths::sobol;
+use crate::sampler::batch::{Batch8, Integrand, Rgb8};
 use crate::sampler::{Memory, Sampler, Schedule, Settings, Workspace};
-use crate::sobol;
 use std::vec;
 use wide::{f32x8, u32x8};
 
@@ -37,12 +37,12 @@ fn functions() {
         for i in 0..4096 {
             let lanes = f32x8::from(core::array::from_fn(|lane| (8 * i + lane) as f32));
             let (x, turn) = (lanes * f32x8::splat(0.003), lanes * f32x8::splat(1.0 / 32_768.0));
-            [math::log2(x), math::log2_rough(x), math::exp2(x), math::exp2_rough(x)]
+            [functions::log2(x), functions::log2_rough(x), functions::exp2(x), functions::exp2_rough(x)]
                 .into_iter()
                 .for_each(|v| digest.add8(v));
-            digest.add8(math::powf(x, f32x8::splat(2.7)));
-            digest.add8(crate::tvi::log2_tvi(x - f32x8::splat(50.0)));
-            let (sin, cos) = math::sin_cos_turn(turn);
+            digest.add8(functions::powf(x, f32x8::splat(2.7)));
+            digest.add8(crate::maths::tvi::log2_tvi(x - f32x8::splat(50.0)));
+            let (sin, cos) = functions::sin_cos_turn(turn);
             [sin, cos].into_iter().for_each(|v| digest.add8(v));
         }
     });

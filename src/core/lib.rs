@@ -18,36 +18,27 @@
 //!
 //! Data flows one way and comes back along one edge, from the film to the kernel: that edge is the method.
 //!
-//! * [`sampler`] – the loop an embedder drives, and the settings; **start here**.
-//! * [`batch`] – what crosses the border: eight samples in, eight radiances out.
-//! * [`kernel`], [`tvi`] – where samples are needed: variance over the visible threshold.
-//! * [`allocate`] – deterministic mixture sampling: exact whole counts.
-//! * [`sobol`] – Owen-scrambled points, eight at a time, without state.
-//! * [`film`] – running statistics, stored by tiles that threads can share out.
-//! * [`estimate`] – how samples become pixels: pooled, subframe, difference, balanced.
+//! # Rooms
 //!
-//! Frames of an animation are not independent:
+//! Four, each of which knows only those after it:
 //!
-//! * [`features`] – points of a picture that can be found again in another one, and who is who.
-//! * [`predict`] – what earlier frames tell about where the next one needs samples.
-//! * [`homography`] – the plane projective mapping on which most pairs of points agree.
-//!
-//! A path tracer comes along. It is an [`Integrand`](batch::Integrand) like any other:
-//!
-//! * [`scene`] – a scene as borrowed slices, checked once; [`camera`] – primary rays.
-//! * [`trace`] – packets of eight rays through an eight-wide hierarchy, without cracks.
-//! * [`shade`] – materials, lights, the [path tracer](shade::path), and [photon mapping](shade::gather);
-//! * [`photon`] – photons in a tree, and the light they bring.
-//!
-//! [`math`] is the one door for transcendental functions and [`vec3`] the vectors, eight lanes wide.
+//! * [`tracer`] – a path tracer that comes along, an [`Integrand`](sampler::batch::Integrand) like any other: a
+//!   [scene](tracer::scene) as borrowed slices, [camera](tracer::camera), [rays](tracer::trace), [light](tracer::shade),
+//!   [photons](tracer::photon).
+//! * [`sampler`] – the product: the loop that an embedder drives. **Who brings a renderer starts here and needs nothing
+//!   else.** [What crosses the border](sampler::batch), [where samples are needed](sampler::kernel), [how many](sampler::allocate),
+//!   [what was seen](sampler::film), and [how that becomes a picture](sampler::estimate).
+//! * [`predict`] – what earlier frames of an animation tell about where the next one needs samples, with
+//!   [features](predict::features) and [homographies](predict::homography) for those who have no motion vectors.
+//! * [`maths`] – vectors, functions, Owen-scrambled [points](maths::sobol), the eye's [threshold](maths::tvi): eight lanes wide.
 //!
 //! # Rules
 //!
 //! * **Memory is lent.** Nothing allocates; each type says how much it needs
-//!   ([`Sampler::required`](sampler::Sampler::required), [`PathTracer::required`](shade::path::PathTracer::required)).
+//!   ([`Sampler::required`](sampler::Sampler::required), [`PathTracer::required`](tracer::shade::path::PathTracer::required)).
 //! * **No files, threads or clock.** Jobs of an iteration touch disjoint slices and may run anywhere; the picture
 //!   has the same bits in any order. Functions, points and the sampler have the same bits for every instruction set that
-//!   `wide` is compiled for, too; rays do not, since their walk ([`trace`]) fuses multiplication and addition where the
+//!   `wide` is compiled for, too; rays do not, since their walk ([`tracer::trace`]) fuses multiplication and addition where the
 //!   processor can: a picture of the path tracer differs between builds where a hit lies between two triangles.
 //! * **No panics on data, no `unsafe`.** Calls that can fail return a small error that says what to do.
 //! * **SIMD is chosen at compile time** (the crate `wide`). On x86-64 build with `-C target-cpu=x86-64-v3`, or
@@ -59,24 +50,10 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
-pub mod allocate;
-pub mod batch;
-pub mod camera;
-pub mod estimate;
-pub mod features;
-pub mod film;
-pub mod homography;
-pub mod kernel;
-pub mod math;
-pub mod photon;
+pub mod maths;
 pub mod predict;
 pub mod sampler;
-pub mod scene;
-pub mod shade;
-pub mod sobol;
-pub mod trace;
-pub mod tvi;
-pub mod vec3;
+pub mod tracer;
 
 #[cfg(test)]
 mod bits;

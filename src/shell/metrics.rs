@@ -25,7 +25,7 @@
 
 use crate::error::Error;
 use crate::frame_io::Picture;
-use pmcip_core::tvi::tvi;
+use pmcip_core::maths::tvi::tvi;
 use wide::f32x8;
 
 /// Side of the low-pass box in pixels.

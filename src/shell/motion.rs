@@ -10,10 +10,10 @@
 use crate::error::Error;
 use crate::scene::{LoadedScene, Pose, View};
 use glam::Vec3;
-use pmcip_core::camera::Camera;
-use pmcip_core::scene::Scene;
-use pmcip_core::trace::{MISS, Rays8, Tracer};
-use pmcip_core::vec3::Vec3x8;
+use pmcip_core::maths::vec3::Vec3x8;
+use pmcip_core::tracer::camera::Camera;
+use pmcip_core::tracer::scene::Scene;
+use pmcip_core::tracer::trace::{MISS, Rays8, Tracer};
 use wide::f32x8;
 
 /// The object of a pixel that shows none.

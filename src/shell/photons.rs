@@ -6,11 +6,11 @@
 
 use crate::error::Error;
 use crate::render::lock;
-use pmcip_core::photon::{self, Irradiance, Leaf, Photon, STRIDE, Site, Split, Tree};
-use pmcip_core::scene::Scene;
-use pmcip_core::shade::gather::Maps;
-use pmcip_core::shade::path::Packet;
-use pmcip_core::shade::shoot::{Map, Shooter, Shots, caustic_paths};
+use pmcip_core::tracer::photon::{self, Irradiance, Leaf, Photon, STRIDE, Site, Split, Tree};
+use pmcip_core::tracer::scene::Scene;
+use pmcip_core::tracer::shade::gather::Maps;
+use pmcip_core::tracer::shade::path::Packet;
+use pmcip_core::tracer::shade::shoot::{Map, Shooter, Shots, caustic_paths};
 use rayon::ThreadPool;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU32, Ordering};

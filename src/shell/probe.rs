@@ -5,10 +5,10 @@ use crate::render;
 use crate::scene::LoadedScene;
 use crate::settings::{Integrator, Method, Settings};
 use glam::Vec3;
-use pmcip_core::camera::Camera;
-use pmcip_core::scene::{Scattering, Scene};
-use pmcip_core::trace::{MISS, Rays8, Tracer};
-use pmcip_core::vec3::Vec3x8;
+use pmcip_core::maths::vec3::Vec3x8;
+use pmcip_core::tracer::camera::Camera;
+use pmcip_core::tracer::scene::{Scattering, Scene};
+use pmcip_core::tracer::trace::{MISS, Rays8, Tracer};
 use wide::f32x8;
 
 /// Side of the trial picture in pixels, a multiple of eight.

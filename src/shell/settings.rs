@@ -20,7 +20,7 @@ pub use list::word;
 use crate::scene::{LoadedScene, View};
 use crate::stop::{Growth, LEAST_SPP, PILOT_SPP, Target};
 use clap::ValueEnum;
-use pmcip_core::estimate::Estimator;
+use pmcip_core::sampler::estimate::Estimator;
 use pmcip_core::sampler::{self, Schedule, Sequence};
 use std::fmt::{self, Display, Formatter};
 
@@ -269,7 +269,7 @@ impl Settings {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use pmcip_core::estimate::Estimator;
+    use pmcip_core::sampler::estimate::Estimator;
 
     /// Settings for a film of ten pixels.
     fn settings(method: Method, spp: u32) -> Settings {

@@ -34,9 +34,9 @@
 use crate::error::Error;
 use crate::metrics::{acuity, box_mean, luminance};
 use crate::render::zeros;
-use pmcip_core::allocate::MAX_SAMPLES;
-use pmcip_core::estimate::{Estimator, Lanes};
 use pmcip_core::sampler::Sampler;
+use pmcip_core::sampler::allocate::MAX_SAMPLES;
+use pmcip_core::sampler::estimate::{Estimator, Lanes};
 
 /// How many times the variance of two halves overstates that of both together.
 pub const STRATIFIED: f64 = 1.1;

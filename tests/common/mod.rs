@@ -2,12 +2,14 @@
 #![allow(dead_code, reason = "each test file uses its own part")]
 
 use pmcip::scene::bvh;
-use pmcip_core::batch::{Batch8, Integrand, Rgb8};
-use pmcip_core::camera::Camera;
+use pmcip_core::sampler::batch::{Batch8, Integrand, Rgb8};
 use pmcip_core::sampler::{Memory, Sampler, Schedule, Settings, Workspace};
-use pmcip_core::scene::{Leaf8, Light, LightNode8, Material, Node8, Scene, SceneData, Surface, Triangle};
-use pmcip_core::shade::path::{Packet, PathTracer, Traffic};
-use pmcip_core::shade::{light, light_tree};
+use pmcip_core::tracer::camera::Camera;
+use pmcip_core::tracer::scene::{
+    Leaf8, Light, LightNode8, Material, Node8, Scene, SceneData, Surface, Triangle,
+};
+use pmcip_core::tracer::scene::{light, light_tree};
+use pmcip_core::tracer::shade::path::{Packet, PathTracer, Traffic};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
 

@@ -1,11 +1,11 @@
 //! A frame rendered on the stack with nothing but the core: a grey wall under a lamp, path traced, adaptive.
 
-use pmcip_core::batch::{Batch8, Rgb8};
-use pmcip_core::camera::Camera;
+use pmcip_core::sampler::batch::{Batch8, Rgb8};
 use pmcip_core::sampler::{Memory, Sampler, Schedule, Settings, Tally, Workspace};
-use pmcip_core::scene::{Leaf8, Light, Material, Node8, Scene, SceneData, Surface, Triangle};
-use pmcip_core::shade::light;
-use pmcip_core::shade::path::{Packet, PathTracer};
+use pmcip_core::tracer::camera::Camera;
+use pmcip_core::tracer::scene::light;
+use pmcip_core::tracer::scene::{Leaf8, Light, Material, Node8, Scene, SceneData, Surface, Triangle};
+use pmcip_core::tracer::shade::path::{Packet, PathTracer};
 
 const WIDTH: u32 = 40;
 const HEIGHT: u32 = 24;

@@ -1,13 +1,13 @@
 //! A scene of which single fields are changed to anything, and what must hold of it if it is accepted all the same: rays
 //! end, without a panic, and meet the same whether they go together or alone. Shared with the fuzz target `scene`.
 
-use pmcip_core::batch::{Batch8, Integrand};
-use pmcip_core::camera::Camera;
-use pmcip_core::scene::{Leaf8, Light, Material, Node8, Scene, SceneData, Surface, Triangle};
-use pmcip_core::shade::light;
-use pmcip_core::shade::path::{Packet, PathTracer};
-use pmcip_core::trace::{Hits8, Rays8, Tracer};
-use pmcip_core::vec3::Vec3x8;
+use pmcip_core::maths::vec3::Vec3x8;
+use pmcip_core::sampler::batch::{Batch8, Integrand};
+use pmcip_core::tracer::camera::Camera;
+use pmcip_core::tracer::scene::light;
+use pmcip_core::tracer::scene::{Leaf8, Light, Material, Node8, Scene, SceneData, Surface, Triangle};
+use pmcip_core::tracer::shade::path::{Packet, PathTracer};
+use pmcip_core::tracer::trace::{Hits8, Rays8, Tracer};
 use wide::{f32x8, u32x8};
 
 /// Levels of the tree, eight children each; two triangles a leaf. More nodes than the tracer walks with packets alone.

@@ -1,7 +1,7 @@
 //! The smallest embedding: an analytic picture, no scene, no allocation.
 
-use pmcip_core::batch::{Batch8, Integrand, Rgb8};
-use pmcip_core::estimate::Estimator;
+use pmcip_core::sampler::batch::{Batch8, Integrand, Rgb8};
+use pmcip_core::sampler::estimate::Estimator;
 use pmcip_core::sampler::{Error, Memory, Sampler, Schedule, Settings, Workspace};
 use wide::f32x8;
 

@@ -2,7 +2,7 @@ extern crate std;
 
 use super::tracks::{NO_REGION, Tracks, regions};
 use super::*;
-use crate::homography::{self, Block, Pair};
+use crate::predict::homography::{self, Block, Pair};
 use std::vec;
 use std::vec::Vec;
 

@@ -5,8 +5,8 @@
 //! small, and matter most. Where neither a region's nor the picture's homography holds, nothing is carried.
 
 use super::{Error, pixel_at};
-use crate::features::{Feature, matches};
-use crate::homography::{self, Block, Homography, Pair};
+use crate::predict::features::{Feature, matches};
+use crate::predict::homography::{self, Block, Homography, Pair};
 
 /// Most regions that are tracked, the largest first.
 pub const MAX_REGIONS: usize = 8;

@@ -2,11 +2,11 @@
 
 use super::fair::Fair;
 use super::settings::{Error, Sequence};
-use crate::batch::{Batch8, Integrand, Rgb8};
-use crate::estimate::Estimator;
-use crate::film::arrivals::{Arrivals, GROUP, Sums, samples};
-use crate::film::{Layout, Planes, Tile};
-use crate::sobol::{self, PixelKeys};
+use crate::maths::sobol::{self, PixelKeys};
+use crate::sampler::batch::{Batch8, Integrand, Rgb8};
+use crate::sampler::estimate::Estimator;
+use crate::sampler::film::arrivals::{Arrivals, GROUP, Sums, samples};
+use crate::sampler::film::{Layout, Planes, Tile};
 use wide::{f32x4, f32x8, u32x8};
 
 /// Samples a job has at least, the last one of an iteration excepted.

@@ -1,9 +1,9 @@
 //! What a render is asked for, and what can be wrong with it.
 
-use crate::allocate;
-use crate::estimate::{Estimator, MAX_RADIUS};
-use crate::film::{Layout, MAX_SIDE};
-use crate::kernel::{Criterion, Kernel, Window};
+use crate::sampler::allocate;
+use crate::sampler::estimate::{Estimator, MAX_RADIUS};
+use crate::sampler::film::{Layout, MAX_SIDE};
+use crate::sampler::kernel::{Criterion, Kernel, Window};
 
 /// Where samples go.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -4,11 +4,11 @@ use super::work;
 use crate::error::Error;
 use crate::metrics::luminance;
 use crate::render::zeros;
-use pmcip_core::estimate::Estimator;
-use pmcip_core::features::{self, Feature, MIN_SIDE, Picture};
-use pmcip_core::homography::{self, Block, Pair};
+use pmcip_core::predict::features::{self, Feature, MIN_SIDE, Picture};
+use pmcip_core::predict::homography::{self, Block, Pair};
 use pmcip_core::predict::tracks::{self, Tracks};
 use pmcip_core::sampler::Sampler;
+use pmcip_core::sampler::estimate::Estimator;
 
 /// Most features of a picture.
 const MAX_FEATURES: usize = 1000;

@@ -5,8 +5,8 @@ use super::pose::{self, Object};
 use super::track::{Track, Turn};
 use super::{Error, LoadedScene, View, file, is_obj, obj};
 use glam::Vec3;
-use pmcip_core::scene::LightNode8;
-use pmcip_core::shade::{light, light_tree};
+use pmcip_core::tracer::scene::LightNode8;
+use pmcip_core::tracer::scene::{light, light_tree};
 use std::path::Path;
 use std::time::Instant;
 

@@ -6,8 +6,8 @@ use super::pose::{Object, Piece};
 use super::texture::TextureCache;
 use super::{Animation, Error, LoadedScene, View, pose, shapes};
 use glam::{Vec2, Vec3};
-use pmcip_core::scene::Material;
-use pmcip_core::shade::light;
+use pmcip_core::tracer::scene::Material;
+use pmcip_core::tracer::scene::light;
 use std::path::Path;
 
 /// The vertical field of view of the automatic camera: that of the Cornell box.

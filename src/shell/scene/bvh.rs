@@ -4,7 +4,7 @@ use glam::Vec3A;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2_from_tris;
 use obvhs::{BvhBuildParams, triangle::Triangle as BuildTriangle};
-use pmcip_core::scene::{Leaf8, Node8, Triangle};
+use pmcip_core::tracer::scene::{Leaf8, Node8, Triangle};
 use std::time::Duration;
 
 /// A hierarchy and the triangle order its leaves expect.

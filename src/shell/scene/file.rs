@@ -9,7 +9,7 @@ use super::value::{
     FieldOfView, Point, Positive, Power, Radiance, Reflectance, Roughness, Scale, Size, Subdivisions,
 };
 use super::{Animation, Error, Frames, View, obj, shapes};
-use pmcip_core::scene::{Material, Scattering};
+use pmcip_core::tracer::scene::{Material, Scattering};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::Path;

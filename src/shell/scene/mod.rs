@@ -117,7 +117,9 @@ pub use place::{Placement, Shift};
 /// The largest width or height of an image, in pixels.
 pub const MAX_SIZE: u32 = 16384;
 
-use pmcip_core::scene::{Leaf8, Light, LightNode8, Material, Node8, SceneData, Surface, Texture, Triangle};
+use pmcip_core::tracer::scene::{
+    Leaf8, Light, LightNode8, Material, Node8, SceneData, Surface, Texture, Triangle,
+};
 use std::path::{Path, PathBuf};
 
 /// From where a scene is seen.

@@ -9,7 +9,7 @@ use super::Error;
 use super::assemble::Assembly;
 use super::error::read;
 use super::obj_text::{CheckedObj, data, logical_lines, split};
-use pmcip_core::scene::{MIN_ROUGHNESS, Material, NO_TEXTURE, Scattering};
+use pmcip_core::tracer::scene::{MIN_ROUGHNESS, Material, NO_TEXTURE, Scattering};
 use std::collections::HashMap;
 use std::fmt::Write;
 use std::io::ErrorKind;

@@ -10,7 +10,7 @@ use super::error::read;
 use super::obj_text::{self, CheckedObj};
 use super::{Animation, Error, mtl};
 use glam::{Vec2, Vec3};
-use pmcip_core::scene::Material;
+use pmcip_core::tracer::scene::Material;
 use std::path::Path;
 use tobj::{LoadOptions, Mesh, Model};
 

@@ -4,7 +4,7 @@ use super::assemble::Corner;
 use super::bvh;
 use super::place::Placement;
 use glam::Vec3;
-use pmcip_core::scene::{Leaf8, Node8, Surface, Triangle};
+use pmcip_core::tracer::scene::{Leaf8, Node8, Surface, Triangle};
 use std::path::PathBuf;
 
 /// The height of a triangle over its longest edge below which it is a line to `f32` arithmetic.

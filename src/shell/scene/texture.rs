@@ -1,6 +1,6 @@
 //! Textures: PNG and JPEG, sRGB on disk, linear in memory, each file once.
 
-use pmcip_core::scene::Texture;
+use pmcip_core::tracer::scene::Texture;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 

@@ -2,7 +2,7 @@
 
 use super::MAX_SIZE;
 use glam::Vec3;
-use pmcip_core::scene::MIN_ROUGHNESS;
+use pmcip_core::tracer::scene::MIN_ROUGHNESS;
 use serde::{Deserialize, Deserializer, de::Error};
 
 /// Declares a type that can only be read if its value passes a test.

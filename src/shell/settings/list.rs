@@ -113,8 +113,8 @@ fn short(x: f32) -> f64 {
 mod tests {
     use super::super::{Method, Startup};
     use super::*;
-    use pmcip_core::estimate::Estimator;
-    use pmcip_core::kernel::{Criterion, Window};
+    use pmcip_core::sampler::estimate::Estimator;
+    use pmcip_core::sampler::kernel::{Criterion, Window};
     use pmcip_core::sampler::{Mode, Sequence};
 
     fn settings() -> Settings {

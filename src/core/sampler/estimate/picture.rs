@@ -1,0 +1,162 @@
+//! From the film to the picture.
+//!
+//! What the balanced estimator gives back is smooth over dozens of pixels, so it is computed on cells of 8 × 8
+//! pixels: the excess of a cell's pixels is summed, smoothed over the grid of cells, and interpolated between
+//! their centres. See [`estimate`](super) for the formula.
+
+use super::smooth::{self, LANES, Lanes, smooth};
+use crate::maths::colour::luminance8;
+use crate::maths::eight::{read8, write_rgb8};
+use crate::sampler::film::cell::{CELL, Cell};
+use crate::sampler::film::{Layout, Planes};
+use wide::f32x8;
+
+/// What interpolation between cell centres takes from the cell before, from the one a pixel is in, and from the
+/// one after, by the pixel's place in its cell.
+const NEAR: [[f32; CELL]; 3] = {
+    let mut near = [[0.0; CELL]; 3];
+    let mut i = 0;
+    while i < CELL {
+        let place = (i as f32 + 0.5) / CELL as f32 - 0.5;
+        near[0][i] = if place < 0.0 { -place } else { 0.0 };
+        near[2][i] = if place > 0.0 { place } else { 0.0 };
+        near[1][i] = 1.0 - near[0][i] - near[2][i];
+        i += 1;
+    }
+    near
+};
+
+/// Length of the scratch [`balanced`] needs.
+pub(crate) fn scratch_len(width: u32, height: u32) -> usize {
+    let (columns, rows) = (width.div_ceil(CELL as u32), height.div_ceil(CELL as u32));
+    (columns as usize).saturating_mul(rows as usize).saturating_mul(4).div_ceil(LANES)
+        + smooth::scratch_len(columns, rows)
+}
+
+/// Writes three planes of the film, row by row.
+pub(crate) fn plain(layout: &Layout, colours: &[&mut [f32]; 3], out: &mut [[f32; 3]]) {
+    layout.for_each_cell(|cell| {
+        for dy in 0..cell.height {
+            let rgb = colours.each_ref().map(|plane| read8(&plane[cell.row(dy)]));
+            write_rgb8(&mut out[cell.raster(dy, layout.width() as usize)], rgb);
+        }
+    });
+}
+
+/// Writes the balanced estimator, row by row; `scratch` is [`scratch_len`] long.
+pub(crate) fn balanced(
+    layout: &Layout,
+    planes: &Planes<'_>,
+    radius: u32,
+    scratch: &mut [Lanes],
+    out: &mut [[f32; 3]],
+) {
+    let size = layout.grid();
+    let cells = size.0 * size.1;
+    let (grids, lines) = scratch.split_at_mut((4 * cells).div_ceil(LANES));
+    let (taken, excess) = grids.as_flattened_mut()[..4 * cells].split_at_mut(cells);
+    let radii = radii(radius);
+    gather(layout, planes, taken, excess.as_chunks_mut().0);
+    smooth::<1>(taken, size, radii, lines);
+    for (excess, taken) in excess.as_chunks_mut::<3>().0.iter_mut().zip(taken) {
+        // Where nobody takes anything, no sample was ever bright: there is nothing to spread.
+        *excess = excess.map(|excess| excess / taken.max(1e-12));
+    }
+    smooth::<3>(excess, size, radii, lines);
+    spread(layout, planes, excess.as_chunks().0, out);
+}
+
+/// Radii of three boxes over cells that, with what cells and interpolation blur by themselves, have a variance of
+/// about `radius`·(`radius` + 1) pixels².
+fn radii(radius: u32) -> [u32; 3] {
+    const CELL_AREA: u32 = (CELL * CELL) as u32;
+    // In units of a cell's area. Summing over a cell and interpolating blur by a quarter of it.
+    let wanted = 3 * (radius * (radius + 1)).saturating_sub(CELL_AREA / 4) / CELL_AREA;
+    let least = (0..).take_while(|r| 3 * r * (r + 1) <= wanted).last().unwrap_or(0);
+    // A box one larger adds 2·(r + 1).
+    let larger = (wanted - 3 * least * (least + 1) + least + 1) / (2 * (least + 1));
+    [0, 1, 2].map(|i| least + u32::from(i < larger))
+}
+
+/// How much a pixel takes of what its neighbourhood has lost: the root of its luminance.
+#[inline(always)]
+fn takes(mean: [f32x8; 3]) -> f32x8 {
+    luminance8(mean).fast_max(f32x8::ZERO).sqrt()
+}
+
+/// Sums the excess over each cell, and what its pixels take over all pixels that interpolate between it and others.
+fn gather(layout: &Layout, planes: &Planes<'_>, taken: &mut [f32], excess: &mut [[f32; 3]]) {
+    taken.fill(0.0);
+    let (columns, rows) = layout.grid();
+    layout.for_each_cell(|cell| {
+        let mut lost = [f32x8::ZERO; 3];
+        let mut takers = [f32x8::ZERO; 3];
+        for dy in 0..cell.height {
+            let (mean, fair) = (planes.mean8(cell.row(dy)), planes.fair8(cell.row(dy)));
+            let here = takes(mean);
+            for (sum, near) in takers.iter_mut().zip(NEAR) {
+                *sum += here * f32x8::splat(near[dy]);
+            }
+            (0..3).for_each(|c| lost[c] += fair[c] - mean[c]);
+        }
+        excess[cell.y * columns + cell.x] = lost.map(sum);
+        for (takers, y) in takers.iter().zip(around(cell.y, rows)) {
+            for (near, x) in NEAR.iter().zip(around(cell.x, columns)) {
+                taken[y * columns + x] += sum(*takers * f32x8::from(*near));
+            }
+        }
+    });
+}
+
+/// Writes mean plus what the pixel takes of `excess`, interpolated between cells.
+fn spread(layout: &Layout, planes: &Planes<'_>, excess: &[[f32; 3]], out: &mut [[f32; 3]]) {
+    let (columns, rows) = layout.grid();
+    layout.for_each_cell(|cell| {
+        let x = around(cell.x, columns);
+        let rows = around(cell.y, rows).map(|y| across(x.map(|x| excess[y * columns + x])));
+        for dy in 0..cell.height {
+            write_row(layout, planes, &cell, &rows, dy, out);
+        }
+    });
+}
+
+/// One row of a cell; `rows` are the excesses of three rows of cells, interpolated to its columns.
+#[inline(always)]
+fn write_row(
+    layout: &Layout,
+    planes: &Planes<'_>,
+    cell: &Cell,
+    rows: &[[f32x8; 3]; 3],
+    dy: usize,
+    out: &mut [[f32; 3]],
+) {
+    let mean = planes.mean8(cell.row(dy));
+    let part = takes(mean);
+    let other = if dy < CELL / 2 { 0 } else { 2 };
+    let (near, far) = (f32x8::splat(NEAR[1][dy]), f32x8::splat(NEAR[other][dy]));
+    let rgb = [0, 1, 2].map(|c| mean[c] + part * (rows[1][c] * near + rows[other][c] * far));
+    write_rgb8(&mut out[cell.raster(dy, layout.width() as usize)], rgb);
+}
+
+/// Colours of three neighbouring cells, interpolated to the columns of the middle one.
+#[inline(always)]
+fn across(cells: [[f32; 3]; 3]) -> [f32x8; 3] {
+    let near = NEAR.map(f32x8::from);
+    [0, 1, 2].map(|c| {
+        let [before, here, after] = cells.map(|cell| f32x8::splat(cell[c]));
+        before * near[0] + here * near[1] + after * near[2]
+    })
+}
+
+/// `i` with its neighbours among `n`; at the ends the cell is its own neighbour.
+#[inline(always)]
+fn around(i: usize, n: usize) -> [usize; 3] {
+    [i.saturating_sub(1), i, (i + 1).min(n - 1)]
+}
+
+/// The sum of all lanes, in an order of our own.
+#[inline(always)]
+fn sum(lanes: f32x8) -> f32 {
+    let l = lanes.to_array();
+    ((l[0] + l[4]) + (l[2] + l[6])) + ((l[1] + l[5]) + (l[3] + l[7]))
+}

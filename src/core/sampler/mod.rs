@@ -1,0 +1,370 @@
+//! The loop an embedder drives: adapt, allocate, sample, merge; then resolve.
+//!
+//! [`Sampler::begin`] turns the film into a kernel and the kernel into planned counts, [`Sampler::jobs`] divides
+//! the iteration into runs of tiles that can be rendered by any thread in any order, [`Sampler::end`] checks
+//! that all were. The same settings, samples and integrand give the same bits on any number of threads.
+//!
+//! ```
+//! use pmcip_core::sampler::batch::{Batch8, Integrand, Rgb8};
+//! use pmcip_core::sampler::{Memory, Sampler, Schedule, Settings, Workspace};
+//!
+//! struct Ramp;
+//! impl Integrand for Ramp {
+//!     fn radiance(&mut self, batch: &Batch8) -> Rgb8 {
+//!         Rgb8 { r: batch.x, g: batch.y, b: batch.x * batch.y }
+//!     }
+//! }
+//!
+//! # fn main() -> Result<(), pmcip_core::sampler::Error> {
+//! let (mut floats, mut words) = ([0.0; 8 * 64], [0; 3 * 64]); // as Sampler::required(8, 8) says
+//! let mut sampler = Sampler::new(Settings::new(8, 8), Memory { floats: &mut floats, words: &mut words })?;
+//! let (mut batches, mut radiance) = ([Batch8::default(); 16], [Rgb8::default(); 16]);
+//! let mut work = Workspace::new(&mut batches, &mut radiance)?;
+//! for samples in Schedule::new(64, 16, 2, 8) {
+//!     sampler.begin(samples)?;
+//!     for mut job in sampler.jobs() {
+//!         job.render(&mut Ramp, &mut work);
+//!     }
+//!     sampler.end()?;
+//! }
+//! let (mut rgb, mut scratch) = ([0.0; 3 * 64], [[0.0; 16]; 6]); // as Sampler::resolve_scratch(8, 8) says
+//! sampler.resolve(sampler.settings().estimator, &mut scratch, &mut rgb)?;
+//! assert!((rgb[0] - 0.5).abs() < 0.2);
+//! # Ok(())
+//! # }
+//! ```
+#![doc = include_str!("defaults.md")]
+
+use crate::maths::sobol::{PixelKeys, frame_key, hash};
+use crate::predict::{Belief, Prior};
+use crate::sampler::allocate::{Known, Mixture, allocate_known};
+use crate::sampler::estimate::{Estimator, Lanes};
+use crate::sampler::film::{FLOATS, Layout, Planes, WORDS};
+use crate::sampler::kernel::UNKNOWN;
+use fair::Fair;
+
+pub mod allocate;
+pub mod batch;
+pub mod estimate;
+mod fair;
+pub mod film;
+mod job;
+pub mod kernel;
+mod schedule;
+mod settings;
+pub use job::{Job, Jobs, MAX_RADIANCE, Tally, Workspace};
+pub use schedule::Schedule;
+pub use settings::{Error, Mode, Sequence, Settings};
+
+/// Memory lent to a sampler for its film. What it holds before does not matter.
+#[derive(Debug)]
+pub struct Memory<'a> {
+    /// At least as long as [`Required::floats`].
+    pub floats: &'a mut [f32],
+    /// At least as long as [`Required::words`].
+    pub words: &'a mut [u32],
+}
+
+/// How much memory a sampler needs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Required {
+    /// Length of [`Memory::floats`].
+    pub floats: usize,
+    /// Length of [`Memory::words`].
+    pub words: usize,
+}
+
+/// A frame being sampled.
+#[derive(Debug)]
+pub struct Sampler<'a> {
+    settings: Settings,
+    layout: Layout,
+    planes: Planes<'a>,
+    /// Number of the iteration that runs or is next.
+    iteration: u32,
+    /// Samples of all iterations that have ended.
+    samples: u64,
+    /// What has been promised to every pixel.
+    fair: Fair,
+    /// How the current or last iteration divided its samples beyond that.
+    mixture: Mixture,
+    /// Samples of the running iteration, 0 if none is running.
+    running: u64,
+}
+
+impl<'a> Sampler<'a> {
+    /// How much memory a film of this size takes: 44 bytes a pixel.
+    pub fn required(width: u32, height: u32) -> Required {
+        let pixels = (width as usize).saturating_mul(height as usize);
+        Required { floats: FLOATS.saturating_mul(pixels), words: WORDS.saturating_mul(pixels) }
+    }
+
+    /// An empty film on lent memory.
+    ///
+    /// # Errors
+    /// If a setting is out of range or memory is short.
+    pub fn new(settings: Settings, memory: Memory<'a>) -> Result<Self, Error> {
+        let layout = settings.check()?;
+        let required = Sampler::required(settings.width, settings.height);
+        let floats = memory.floats.get_mut(..required.floats).ok_or(Error::Memory)?;
+        let words = memory.words.get_mut(..required.words).ok_or(Error::Memory)?;
+        floats.fill(0.0);
+        words.fill(0);
+        let planes = Planes::new(floats, words, layout.pixels()).ok_or(Error::Memory)?;
+        Ok(Sampler {
+            settings,
+            layout,
+            planes,
+            iteration: 0,
+            samples: 0,
+            fair: Fair::default(),
+            mixture: Mixture { samples: 0, floor: 0.0, epsilon: 1.0 },
+            running: 0,
+        })
+    }
+
+    /// The settings the sampler was made with.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// Number of iterations that have ended.
+    pub fn iterations(&self) -> u32 {
+        self.iteration
+    }
+
+    /// Number of samples drawn in the iterations that have ended, rejected ones included.
+    pub fn samples(&self) -> u64 {
+        self.samples
+    }
+
+    /// Begins an iteration of `samples` samples: adapts the kernel and plans every pixel's count.
+    ///
+    /// The first iteration is uniform.
+    ///
+    /// # Errors
+    /// If an iteration is running already, or `samples` is 0 or above 2^32 − 1.
+    pub fn begin(&mut self, samples: u64) -> Result<(), Error> {
+        self.begin_predicted(samples, Prior::Beliefs(&[]))
+    }
+
+    /// Begins an iteration as [`begin`](Self::begin) does, with what earlier frames tell.
+    ///
+    /// The first iteration is uniform all the same: one sample a pixel is enough, and no pixel is ever left without.
+    /// `prior` must not stem from this frame's samples, or the picture is biased.
+    ///
+    /// # Errors
+    /// As `begin`, and [`Error::Prior`] if `prior` has not one entry a pixel or none.
+    pub fn begin_predicted(&mut self, samples: u64, prior: Prior<'_>) -> Result<(), Error> {
+        let given = match prior {
+            Prior::Beliefs(beliefs) => beliefs.len(),
+            Prior::Alpha(alpha) => alpha.len(),
+        };
+        if given != 0 && given != self.layout.pixels() {
+            return Err(Error::Prior);
+        }
+        if self.running > 0 {
+            return Err(Error::Begun);
+        }
+        if samples == 0 || samples > crate::sampler::allocate::MAX_SAMPLES {
+            return Err(Error::Samples);
+        }
+        let adaptive = self.settings.mode == Mode::Adaptive && self.iteration > 0;
+        let missing = self.promise(samples, adaptive);
+        self.mixture = match adaptive {
+            true => {
+                Mixture { samples: samples - missing, floor: self.floor(), epsilon: self.settings.epsilon }
+            }
+            false => Mixture { samples, floor: 0.0, epsilon: 1.0 },
+        };
+        let known = if adaptive { self.adapt(prior) } else { Known::default() };
+        let offset = hash(frame_key(!self.settings.seed, self.settings.frame) ^ self.iteration);
+        allocate_known(self.planes.target, self.planes.planned, self.mixture, offset, &known)?;
+        if missing > 0 {
+            for (i, (planned, drawn)) in self.planes.planned.iter_mut().zip(&*self.planes.drawn).enumerate() {
+                *planned += self.fair.missing(i, *drawn);
+            }
+        }
+        self.running = samples;
+        Ok(())
+    }
+
+    /// Promises fair samples with an iteration of `samples`; returns how many pixels lack.
+    fn promise(&mut self, samples: u64, adaptive: bool) -> u64 {
+        let pixels = self.layout.pixels();
+        if self.iteration == 0 {
+            let uniform = self.settings.mode == Mode::Uniform;
+            let count = if uniform { u32::MAX } else { self.settings.fair };
+            self.fair = Fair::new(count, (samples / pixels as u64) as u32);
+        }
+        if !adaptive {
+            return 0;
+        }
+        let each = f64::from(self.settings.defensive) * samples as f64 / pixels as f64;
+        let next = self.fair.promise(each);
+        let missing = next.total(self.planes.drawn);
+        // What is due to few pixels cannot always be rounded to fewer samples than there are.
+        if missing > samples {
+            return self.fair.total(self.planes.drawn);
+        }
+        self.fair = next;
+        missing
+    }
+
+    /// m, samples that every pixel expects at least in an adaptive iteration, beyond what was promised.
+    fn floor(&self) -> f32 {
+        if self.settings.estimator == Estimator::Subframe { 1.0 } else { 0.0 }
+    }
+
+    /// Writes the weights of the kernel into the plane `target` and returns their sum.
+    fn adapt(&mut self, prior: Prior<'_>) -> Known {
+        let planes = &mut self.planes;
+        let alpha = match prior {
+            Prior::Beliefs(beliefs) => return self.settings.kernel().adapt(&self.layout, planes, beliefs),
+            Prior::Alpha([]) => return self.settings.kernel().adapt(&self.layout, planes, &[]),
+            Prior::Alpha(alpha) => alpha,
+        };
+        self.layout.for_each_run(|run, raster| {
+            for (target, alpha) in planes.target[run].iter_mut().zip(&alpha[raster..]) {
+                *target = if alpha.is_finite() && *alpha >= 0.0 { *alpha } else { UNKNOWN };
+            }
+        });
+        let mut known = Known::default();
+        known.add(planes.target);
+        known
+    }
+
+    /// Writes what the frame has seen of every pixel, by the kernel's window, row by row.
+    ///
+    /// # Errors
+    /// If an iteration is running, or `out` is not as long as the picture has pixels.
+    pub fn beliefs(&self, out: &mut [Belief]) -> Result<(), Error> {
+        self.at_rest()?;
+        if out.len() != self.layout.pixels() {
+            return Err(Error::Output);
+        }
+        self.settings.kernel().observe(&self.layout, &self.planes, out);
+        Ok(())
+    }
+
+    /// The jobs of the running iteration, as far as their samples are not in the film yet; none if none is running.
+    pub fn jobs(&mut self) -> Jobs<'_> {
+        let context = job::Context {
+            layout: self.layout,
+            keys: PixelKeys::new(self.settings.seed, self.settings.frame),
+            iteration: hash(self.iteration),
+            sequence: self.settings.sequence,
+            fair: self.fair,
+            estimator: self.settings.estimator,
+            share: self.running as f32 / (self.samples + self.running).max(1) as f32,
+        };
+        let tiles = if self.running > 0 { self.layout.tiles() } else { 0 };
+        Jobs { rest: self.planes.reborrow(), context, next_tile: 0, tiles }
+    }
+
+    /// Ends the iteration and returns what has been sampled since the first one.
+    ///
+    /// # Errors
+    /// If no iteration is running, or not all of its samples have been taken: it goes on running, and
+    /// [`jobs`](Self::jobs) has what is left.
+    pub fn end(&mut self) -> Result<Tally, Error> {
+        if self.running == 0 {
+            return Err(Error::NotBegun);
+        }
+        if self.planes.planned.iter().any(|n| *n > 0) {
+            return Err(Error::Unfinished);
+        }
+        self.samples += self.running;
+        let samples = self.planes.count.iter().map(|n| u64::from(*n)).sum::<u64>();
+        self.iteration += 1;
+        self.running = 0;
+        Ok(Tally { samples, rejected: self.samples - samples })
+    }
+
+    /// Length of the scratch [`resolve`](Self::resolve) needs.
+    pub fn resolve_scratch(width: u32, height: u32) -> usize {
+        estimate::scratch_len(width, height)
+    }
+
+    /// Writes the picture: interleaved linear RGB, row by row.
+    ///
+    /// Any estimator for which [`Settings::estimator`] [serves](Estimator::serves) may be asked for.
+    ///
+    /// # Errors
+    /// If an iteration is running, the film has not accumulated for `estimator`, or `out` or `scratch` have the wrong
+    /// length.
+    pub fn resolve(&self, estimator: Estimator, scratch: &mut [Lanes], out: &mut [f32]) -> Result<(), Error> {
+        let (width, height) = (self.settings.width, self.settings.height);
+        self.at_rest()?;
+        if !self.settings.estimator.serves(estimator) {
+            return Err(Error::Estimator);
+        }
+        let scratch = scratch.get_mut(..Self::resolve_scratch(width, height)).ok_or(Error::Scratch)?;
+        if out.len() != 3 * self.layout.pixels() {
+            return Err(Error::Output);
+        }
+        let (out, _) = out.as_chunks_mut();
+        let (layout, planes, radius) = (&self.layout, &self.planes, self.settings.balance_radius);
+        match estimator {
+            Estimator::Pooled => estimate::plain(layout, &planes.mean, out),
+            Estimator::Subframe | Estimator::Difference => estimate::plain(layout, &planes.fair, out),
+            Estimator::Balanced => estimate::balanced(layout, planes, radius, scratch, out),
+        }
+        Ok(())
+    }
+
+    /// Writes the variance of every pixel's mean luminance, as far as its own samples know it, row by row.
+    ///
+    /// 0 where there are fewer than two samples.
+    ///
+    /// # Errors
+    /// If an iteration is running, or `out` is not as long as the picture has pixels.
+    pub fn variance(&self, out: &mut [f32]) -> Result<(), Error> {
+        let planes = &self.planes;
+        self.at_rest()?;
+        self.read_out(out, |i| match planes.count[i] {
+            0 | 1 => 0.0,
+            n => planes.m2[i] / ((n - 1) as f32 * n as f32),
+        })
+    }
+
+    /// Writes how many samples every pixel has, row by row.
+    ///
+    /// # Errors
+    /// If an iteration is running, or `out` is not as long as the picture has pixels.
+    pub fn count(&self, out: &mut [u32]) -> Result<(), Error> {
+        self.at_rest()?;
+        self.read_out(out, |i| self.planes.count[i])
+    }
+
+    /// Writes the kernel α that divided the current or last iteration, beyond what was promised, row by row; it sums to one.
+    ///
+    /// # Errors
+    /// If `out` is not as long as the picture has pixels.
+    pub fn alpha(&self, out: &mut [f32]) -> Result<(), Error> {
+        let pixels = self.layout.pixels() as f64;
+        let samples = self.mixture.samples as f64;
+        let floor = f64::from(self.mixture.floor).min(samples / pixels);
+        let rest = samples - floor * pixels;
+        self.read_out(out, |i| {
+            let alpha = (f64::from(self.planes.target[i]) - floor) / rest;
+            if rest > 0.0 { alpha.max(0.0) as f32 } else { (1.0 / pixels) as f32 }
+        })
+    }
+
+    /// That no iteration is running: what there is would be the half of one.
+    fn at_rest(&self) -> Result<(), Error> {
+        if self.running > 0 { Err(Error::Running) } else { Ok(()) }
+    }
+
+    fn read_out<T>(&self, out: &mut [T], value: impl Fn(usize) -> T) -> Result<(), Error> {
+        if out.len() != self.layout.pixels() {
+            return Err(Error::Output);
+        }
+        self.layout.for_each_run(|run, raster| {
+            let length = run.len();
+            run.zip(&mut out[raster..raster + length]).for_each(|(i, out)| *out = value(i));
+        });
+        Ok(())
+    }
+}

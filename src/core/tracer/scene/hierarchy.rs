@@ -1,0 +1,161 @@
+//! The bounding volume hierarchy that rays walk, and whether a walk through it is safe.
+
+use super::surface::Triangle;
+use super::{Error, SceneData};
+use bytemuck::{Pod, Zeroable};
+
+/// Levels of nodes a hierarchy may have: what the traversal's stack is made for.
+pub const MAX_DEPTH: usize = 32;
+
+/// Entries a depth-first walk needs: at each level up to seven siblings wait while one is followed.
+pub(crate) const STACK: usize = 7 * MAX_DEPTH + 1;
+
+/// Eight boxes and what is in them: a node of the bounding volume hierarchy, four cache lines.
+///
+/// Children that are there come first and have finite boxes that enclose what is below them; the others have the boxes of
+/// [`EMPTY`](Self::EMPTY).
+#[repr(C, align(64))]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub struct Node8 {
+    /// Lower corners of the children's boxes, by axis and child. An unused child has `+∞`.
+    pub lower: [[f32; 8]; 3],
+    /// Upper corners. An unused child has `−∞`.
+    pub upper: [[f32; 8]; 3],
+    /// For an inner child the index of its node, which is above this node's own; else the index of a leaf.
+    pub child: [u32; 8],
+    /// Number of triangles of a leaf, 1 to 8; 0 for an inner or unused child.
+    pub count: [u32; 8],
+}
+
+impl Node8 {
+    /// A node without children.
+    pub const EMPTY: Node8 = Node8 {
+        lower: [[f32::INFINITY; 8]; 3],
+        upper: [[f32::NEG_INFINITY; 8]; 3],
+        child: [0; 8],
+        count: [0; 8],
+    };
+
+    /// Whether child `i` (0 to 7) is there: unused ones have empty boxes.
+    #[inline(always)]
+    pub fn is_used(&self, i: usize) -> bool {
+        self.lower[0][i] <= self.upper[0][i]
+    }
+
+    /// How many children there are, if those that are not there come last and every box is finite or empty. A walk over a
+    /// packet stops at the first empty box, that of a single ray looks at all eight: both must see the same.
+    fn children(&self) -> Option<usize> {
+        let used = (0..8).take_while(|&child| self.is_used(child)).count();
+        let finite = |child: usize| {
+            (0..3).all(|axis| {
+                let (lower, upper) = (self.lower[axis][child], self.upper[axis][child]);
+                lower <= upper && lower.is_finite() && upper.is_finite()
+            })
+        };
+        let empty = |child: usize| {
+            let boxed = |rows: &[[f32; 8]; 3], bound: f32| rows.iter().all(|row| row[child] == bound);
+            boxed(&self.lower, f32::INFINITY)
+                && boxed(&self.upper, f32::NEG_INFINITY)
+                && self.count[child] == 0
+        };
+        ((0..used).all(finite) && (used..8).all(empty)).then_some(used)
+    }
+
+    /// Whether the box of `child` encloses another.
+    fn encloses(&self, child: usize, lower: [f32; 3], upper: [f32; 3]) -> bool {
+        (0..3).all(|k| self.lower[k][child] <= lower[k] && upper[k] <= self.upper[k][child])
+    }
+
+    /// Whether the box of `child` encloses all of a node's boxes.
+    fn encloses_node(&self, child: usize, node: &Node8) -> bool {
+        let corner = |rows: &[[f32; 8]; 3], i: usize| rows.map(|row| row[i]);
+        (0..8)
+            .filter(|&i| node.is_used(i))
+            .all(|i| self.encloses(child, corner(&node.lower, i), corner(&node.upper, i)))
+    }
+}
+
+/// Up to eight triangles in structure-of-arrays form, so that one ray meets all of them at once.
+#[repr(C, align(32))]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Leaf8 {
+    /// Coordinates by corner, axis and triangle; NaN, which nothing hits, where there is no triangle.
+    pub(crate) corners: [[[f32; 8]; 3]; 3],
+    /// Index of the first triangle in [`SceneData::triangles`]; the others follow.
+    pub(crate) first: u32,
+}
+
+impl Leaf8 {
+    /// The leaf of `triangles`, of which the first has this index in the scene; those beyond eight are left out.
+    pub fn new(first: u32, triangles: &[Triangle]) -> Self {
+        let mut leaf = Leaf8 { corners: [[[f32::NAN; 8]; 3]; 3], first };
+        for (lane, triangle) in triangles.iter().enumerate().take(8) {
+            for (rows, corner) in leaf.corners.iter_mut().zip(triangle.corners) {
+                for (row, coordinate) in rows.iter_mut().zip(corner) {
+                    row[lane] = coordinate;
+                }
+            }
+        }
+        leaf
+    }
+
+    /// Whether it holds `triangles`, all of a leaf's, bit by bit, and nothing else that could be hit.
+    fn holds(&self, triangles: &[Triangle]) -> bool {
+        let corner = |lane: usize, k: usize| self.corners[k].map(|row| row[lane].to_bits());
+        let same = |(lane, triangle): (usize, &Triangle)| {
+            (0..3).all(|k| corner(lane, k) == triangle.corners[k].map(f32::to_bits))
+        };
+        let rows = || self.corners.as_flattened().iter();
+        triangles.iter().enumerate().all(same)
+            && rows().all(|row| row[triangles.len()..].iter().all(|x| x.is_nan()))
+    }
+}
+
+/// Walks the hierarchy as a ray would that hits everything.
+pub(super) fn check(data: &SceneData) -> Result<(), Error> {
+    let mut stack = [(0u32, 0u32); STACK];
+    let mut top = usize::from(!data.nodes.is_empty());
+    let mut visited = 0;
+    while top > 0 {
+        top -= 1;
+        let (index, depth) = stack[top];
+        visited += 1;
+        if visited > data.nodes.len() {
+            return Err(Error::Node(index as usize));
+        }
+        if depth as usize >= MAX_DEPTH {
+            return Err(Error::TooDeep);
+        }
+        let node = &data.nodes[index as usize];
+        let children = node.children().ok_or(Error::Node(index as usize))?;
+        for child in 0..children {
+            let (first, count) = (node.child[child] as usize, node.count[child] as usize);
+            if count > 0 {
+                let triangles = leaf_triangles(data, first, count).ok_or(Error::Node(index as usize))?;
+                if !data.leaves[first].holds(triangles) {
+                    return Err(Error::Leaf(first));
+                }
+                let mut corners = triangles.iter().flat_map(|t| t.corners);
+                if !corners.all(|c| node.encloses(child, c, c)) {
+                    return Err(Error::Bounds(index as usize));
+                }
+            } else {
+                if first <= index as usize || first >= data.nodes.len() {
+                    return Err(Error::Node(index as usize));
+                }
+                if !node.encloses_node(child, &data.nodes[first]) {
+                    return Err(Error::Bounds(index as usize));
+                }
+                stack[top] = (node.child[child], depth + 1);
+                top += 1;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The triangles of leaf number `leaf`, if it and they exist.
+fn leaf_triangles<'a>(data: &SceneData<'a>, leaf: usize, count: usize) -> Option<&'a [Triangle]> {
+    let start = data.leaves.get(leaf)?.first as usize;
+    if count > 8 { None } else { data.triangles.get(start..start.checked_add(count)?) }
+}

@@ -1,0 +1,77 @@
+//! Records of eight lanes, fetched as rows and transposed: one load a row instead of one a number.
+
+use crate::maths::vec3::Vec3x8;
+use crate::tracer::scene::{Material, SceneData};
+use wide::{f32x8, u32x8};
+
+/// The corners of eight triangles.
+#[inline(always)]
+pub(super) fn corners(data: &SceneData<'_>, triangle: [u32; 8]) -> [Vec3x8; 3] {
+    let row = |i: u32| bytemuck::cast_ref::<_, [f32; 9]>(&data.triangles[i as usize]);
+    let [ax, ay, az, bx, by, bz, cx, cy] = first(triangle.map(row));
+    let cz = f32x8::from(triangle.map(|i| row(i)[8]));
+    [Vec3x8::new(ax, ay, az), Vec3x8::new(bx, by, bz), Vec3x8::new(cx, cy, cz)]
+}
+
+/// The surfaces of eight triangles.
+pub(super) struct Surfaces {
+    /// Shading normals at the corners.
+    pub normals: [Vec3x8; 3],
+    /// Texture coordinates at the corners.
+    pub uv: [(f32x8, f32x8); 3],
+    /// Index of the material.
+    pub material: [u32; 8],
+}
+
+/// Fetches surfaces.
+#[inline(always)]
+pub(super) fn surfaces(data: &SceneData<'_>, triangle: [u32; 8]) -> Surfaces {
+    let row = |i: u32| bytemuck::cast_ref::<_, [f32; 16]>(&data.surfaces[i as usize]);
+    let [ax, ay, az, bx, by, bz, cx, cy] = first(triangle.map(row));
+    let [cz, au, av, bu, bv, cu, cv, material] = last(triangle.map(row));
+    Surfaces {
+        normals: [Vec3x8::new(ax, ay, az), Vec3x8::new(bx, by, bz), Vec3x8::new(cx, cy, cz)],
+        uv: [(au, av), (bu, bv), (cu, cv)],
+        material: bytemuck::cast::<_, u32x8>(material).to_array(),
+    }
+}
+
+/// Eight materials.
+pub(super) struct Materials {
+    pub diffuse: Vec3x8,
+    pub scattering: u32x8,
+    pub texture: u32x8,
+    pub specular: Vec3x8,
+    pub roughness: f32x8,
+    pub ior: f32x8,
+    pub emission: Vec3x8,
+}
+
+/// Fetches materials.
+#[inline(always)]
+pub(super) fn materials(data: &SceneData<'_>, material: [u32; 8]) -> Materials {
+    let row = |i: u32| bytemuck::cast_ref::<Material, [f32; 13]>(&data.materials[i as usize]);
+    let [dr, dg, db, scattering, texture, sr, sg, sb] = first(material.map(row));
+    let [_, _, _, roughness, ior, er, eg, eb] = last(material.map(row));
+    Materials {
+        diffuse: Vec3x8::new(dr, dg, db),
+        scattering: bytemuck::cast(scattering),
+        texture: bytemuck::cast(texture),
+        specular: Vec3x8::new(sr, sg, sb),
+        roughness,
+        ior,
+        emission: Vec3x8::new(er, eg, eb),
+    }
+}
+
+/// The columns of the rows' first eight numbers.
+#[inline(always)]
+fn first<const N: usize>(rows: [&[f32; N]; 8]) -> [f32x8; 8] {
+    f32x8::transpose(rows.map(|row| f32x8::from(&row[..8])))
+}
+
+/// The columns of the rows' last eight numbers.
+#[inline(always)]
+fn last<const N: usize>(rows: [&[f32; N]; 8]) -> [f32x8; 8] {
+    f32x8::transpose(rows.map(|row| f32x8::from(&row[N - 8..])))
+}

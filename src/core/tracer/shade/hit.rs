@@ -1,0 +1,149 @@
+//! What the surface is like where eight rays meet it.
+
+use super::fetch;
+use crate::maths::vec3::Vec3x8;
+use crate::tracer::scene::{NO_TEXTURE, Scattering, Scene, SceneData, Texture};
+use crate::tracer::trace::{Hits8, MISS, Rays8};
+use wide::{f32x8, u32x8};
+
+/// Eight surface points and their materials, structure of arrays. Lanes that missed hold arbitrary values.
+pub(super) struct SurfacePoints {
+    /// Lanes that hit something, all bits set.
+    pub hit: f32x8,
+    /// Positions, on the triangle up to rounding.
+    pub position: Vec3x8,
+    /// Unit geometric normals, on the side the ray came from.
+    pub facing: Vec3x8,
+    /// Unit shading normals, on the side the ray came from.
+    pub normal: Vec3x8,
+    /// Cosine between the ray and the geometric normal of the front side; negative on the back.
+    pub cosine: f32x8,
+    /// [`Scattering`] as a number.
+    scattering: u32x8,
+    /// Diffuse reflectance, texture applied.
+    pub diffuse: Vec3x8,
+    /// Specular reflectance or tint.
+    pub specular: Vec3x8,
+    /// GGX width.
+    pub roughness: f32x8,
+    /// Index of refraction, inside over outside.
+    pub ior: f32x8,
+    /// Radiance emitted on the front side.
+    pub emission: Vec3x8,
+    /// Distance from the surface at which rays start.
+    clearance: f32x8,
+}
+
+impl SurfacePoints {
+    /// Looks up where `rays` met the scene. At least one lane must have hit.
+    #[inline]
+    pub fn at(scene: &Scene<'_>, rays: &Rays8, hits: &Hits8) -> Self {
+        let data = scene.data();
+        let hit = hits.triangle.simd_ne(u32x8::splat(MISS));
+        let triangle = (hits.triangle & hit).to_array();
+        let weights = [f32x8::ONE - hits.u - hits.v, hits.u, hits.v];
+
+        let [a, b, c] = fetch::corners(data, triangle);
+        let front = (b - a).cross(c - a).normalized();
+        let cosine = -rays.direction.dot(front);
+        let surface = fetch::surfaces(data, triangle);
+        let normal = shading_normal(interpolate(surface.normals, weights), front, rays.direction);
+        let material = fetch::materials(data, surface.material);
+        let mut diffuse = material.diffuse;
+        if material.texture.simd_ne(u32x8::splat(NO_TEXTURE)).any() {
+            let mix = |[a, b, c]: [f32x8; 3]| a * weights[0] + b * weights[1] + c * weights[2];
+            let (u, v) = (mix(surface.uv.map(|t| t.0)), mix(surface.uv.map(|t| t.1)));
+            diffuse = diffuse.scaled(textured(data, material.texture, u, v));
+        }
+        SurfacePoints {
+            hit: bytemuck::cast(hit),
+            position: interpolate([a, b, c], weights),
+            facing: Vec3x8::select(cosine.simd_lt(f32x8::ZERO), -front, front),
+            normal,
+            cosine,
+            scattering: material.scattering,
+            diffuse,
+            specular: material.specular,
+            roughness: material.roughness,
+            ior: material.ior,
+            emission: material.emission,
+            clearance: largest([a, b, c]) * f32x8::splat(CLEARANCE),
+        }
+    }
+
+    /// Lanes that hit a surface of this kind, all bits set.
+    #[inline(always)]
+    pub fn scatters(&self, kind: Scattering) -> f32x8 {
+        let kind: f32x8 = bytemuck::cast(self.scattering.simd_eq(u32x8::splat(kind as u32)));
+        kind & self.hit
+    }
+
+    /// Where a ray in direction `toward` starts: off the surface by more than the rounding of both.
+    #[inline(always)]
+    pub fn leave(&self, toward: Vec3x8) -> Vec3x8 {
+        self.position + self.facing * self.clearance.copysign(toward.dot(self.facing))
+    }
+}
+
+/// Distance from the surface at which rays start, relative to the triangle's largest coordinate, on which the
+/// rounding of the intersection test depends: 32 units in the last place.
+pub(super) const CLEARANCE: f32 = 1.0 / (1 << 18) as f32;
+
+#[inline(always)]
+fn interpolate(corner: [Vec3x8; 3], weights: [f32x8; 3]) -> Vec3x8 {
+    corner[0] * weights[0] + corner[1] * weights[1] + corner[2] * weights[2]
+}
+
+/// The largest coordinate, in absolute value.
+#[inline(always)]
+pub(super) fn largest(corners: [Vec3x8; 3]) -> f32x8 {
+    let of = |v: Vec3x8| v.x.abs().fast_max(v.y.abs()).fast_max(v.z.abs());
+    of(corners[0]).fast_max(of(corners[1])).fast_max(of(corners[2]))
+}
+
+/// The interpolated normal on the side the ray came from; the geometric one where the triangle is flat.
+#[inline(always)]
+fn shading_normal(smooth: Vec3x8, front: Vec3x8, direction: Vec3x8) -> Vec3x8 {
+    let square = smooth.dot(smooth);
+    let is_smooth = square.simd_gt(f32x8::splat(1e-12));
+    let mut normal = front;
+    if is_smooth.any() {
+        normal = Vec3x8::select(is_smooth, smooth * (f32x8::ONE / square.sqrt()), front);
+    }
+    Vec3x8::select(normal.dot(direction).simd_gt(f32x8::ZERO), -normal, normal)
+}
+
+/// Texture values by lane, white where a lane has none.
+fn textured(data: &SceneData<'_>, texture: u32x8, u: f32x8, v: f32x8) -> Vec3x8 {
+    let (u, v) = (u.to_array(), v.to_array());
+    let mut rgb = [[1.0f32; 8]; 3];
+    for (lane, texture) in texture.to_array().into_iter().enumerate().filter(|t| t.1 != NO_TEXTURE) {
+        let value = bilinear(&data.textures[texture as usize], data.texels, u[lane], v[lane]);
+        for (row, value) in rgb.iter_mut().zip(value) {
+            row[lane] = value;
+        }
+    }
+    Vec3x8::new(rgb[0].into(), rgb[1].into(), rgb[2].into())
+}
+
+/// Bilinear interpolation between the four nearest texels of the repeated texture.
+fn bilinear(texture: &Texture, texels: &[[f32; 3]], u: f32, v: f32) -> [f32; 3] {
+    let (x0, x1, fx) = neighbours(u, texture.width);
+    let (y0, y1, fy) = neighbours(1.0 - v, texture.height);
+    let texel =
+        |x: u32, y: u32| texels[texture.first as usize + y as usize * texture.width as usize + x as usize];
+    let mix = |a: [f32; 3], b: [f32; 3], f: f32| [0, 1, 2].map(|c| a[c] + (b[c] - a[c]) * f);
+    mix(mix(texel(x0, y0), texel(x1, y0), fx), mix(texel(x0, y1), texel(x1, y1), fx), fy)
+}
+
+/// The two texels around coordinate `u` (period 1) and the weight of the second.
+fn neighbours(u: f32, size: u32) -> (u32, u32, f32) {
+    let turn = u - libm::floorf(u);
+    let position = if turn.is_finite() { turn * size as f32 - 0.5 } else { 0.0 };
+    let below = libm::floorf(position);
+    let first = if below < 0.0 { size - 1 } else { (below as u32).min(size - 1) };
+    (first, (first + 1) % size, position - below)
+}
+
+#[cfg(test)]
+mod tests;

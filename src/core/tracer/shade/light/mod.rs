@@ -1,0 +1,142 @@
+//! Points on lights, and how dense they are.
+//!
+//! Few lights are picked with probability proportional to area times luminance of the radiance. The density of a point
+//! per area is then luminance over total power, the same formula for every light, so that a path that hits an
+//! emitter by chance knows it without looking the light up. Many lights are picked by the
+//! [light tree](tree), if the scene has one. A point on a light is picked uniformly.
+
+mod tree;
+
+pub(super) use tree::Receiver;
+
+use super::{fetch, hit};
+use crate::maths::colour::luminance8;
+use crate::maths::vec3::Vec3x8;
+use crate::tracer::scene::light::area;
+use crate::tracer::scene::{Light, Scene, SceneData};
+use tree::{Picked, Root};
+use wide::{f32x8, u32x8};
+
+/// Eight points on emitters.
+pub(super) struct LightPoints {
+    /// Positions.
+    pub position: Vec3x8,
+    /// Unit normals on the emitting side.
+    pub normal: Vec3x8,
+    /// Emitted radiance.
+    pub radiance: Vec3x8,
+    /// Density per unit area; where lights are picked by power, what it would be if the table were not rounded.
+    pub density: f32x8,
+    /// Density per unit area, exactly that with which lights are picked.
+    pub exact_density: f32x8,
+    /// Distance from the light at which rays that leave it start.
+    pub clearance: f32x8,
+}
+
+/// The lights as they are picked for eight receivers.
+pub(super) struct Lights<'a> {
+    data: &'a SceneData<'a>,
+    inverse_power: f32,
+    tree: Option<Root<'a>>,
+}
+
+impl<'a> Lights<'a> {
+    /// Weighs the lights, of which the scene must have one.
+    #[inline(always)]
+    pub fn new(scene: &'a Scene<'_>, receiver: impl FnOnce() -> Receiver) -> Self {
+        let data = scene.data();
+        let tree = (!data.light_nodes.is_empty()).then(|| Root::new(data.light_nodes, receiver()));
+        Lights { data, inverse_power: scene.inverse_power(), tree }
+    }
+
+    /// The lights by power alone, without a receiver. The scene must have one.
+    pub fn by_power(scene: &'a Scene<'_>) -> Self {
+        Lights { data: scene.data(), inverse_power: scene.inverse_power(), tree: None }
+    }
+
+    /// Picks points on the lights from uniform numbers `u`, `v` in `[0, 1)`.
+    #[inline(always)]
+    pub fn sample(&self, u: f32x8, v: f32x8) -> LightPoints {
+        let data = self.data;
+        let picked = self.tree.as_ref().map_or_else(|| by_power(data, u), |tree| tree.pick(u));
+        let triangle = picked.light.map(|i| data.lights[i as usize].triangle);
+        let [a, b, c] = fetch::corners(data, triangle);
+        let root = picked.again.sqrt();
+        let position = a + (b - a) * (root * (f32x8::ONE - v)) + (c - a) * (root * v);
+        let material = triangle.map(|i| data.surfaces[i as usize].material);
+        let radiance = fetch::materials(data, material).emission;
+        let across = (b - a).cross(c - a);
+        let inverse = f32x8::ONE / across.length();
+        let exact_density = picked.probability * f32x8::splat(2.0) * inverse;
+        let density = match self.tree {
+            Some(_) => exact_density,
+            None => luminance8(radiance.into()) * f32x8::splat(self.inverse_power),
+        };
+        let clearance = hit::largest([a, b, c]) * f32x8::splat(hit::CLEARANCE);
+        LightPoints { position, normal: across * inverse, radiance, density, exact_density, clearance }
+    }
+}
+
+/// The density per unit area that [`Lights::sample`] has for `receiver` on triangles of radiance `emission`, in the
+/// lanes whose bit is set in `lanes`.
+#[inline(always)]
+pub(super) fn density(
+    scene: &Scene<'_>,
+    receiver: impl FnOnce() -> Receiver,
+    triangle: u32x8,
+    emission: Vec3x8,
+    lanes: u32,
+) -> f32x8 {
+    match scene.data().light_nodes {
+        [] => luminance8(emission.into()) * f32x8::splat(scene.inverse_power()),
+        _ => tree_density(scene.data(), &receiver(), triangle.to_array(), lanes),
+    }
+}
+
+fn tree_density(data: &SceneData<'_>, receiver: &Receiver, triangle: [u32; 8], lanes: u32) -> f32x8 {
+    let mut density = [0.0; 8];
+    for lane in (0..8).filter(|lane| lanes >> lane & 1 == 1) {
+        if let Ok(found) = data.lights.binary_search_by_key(&triangle[lane], |light| light.triangle) {
+            let light = &data.lights[found];
+            let probability = tree::probability(data.light_nodes, light.path, receiver, lane);
+            density[lane] = probability / area(&data.triangles[triangle[lane] as usize]);
+        }
+    }
+    density.into()
+}
+
+/// Picks lights by the table.
+#[inline(always)]
+fn by_power(data: &SceneData<'_>, u: f32x8) -> Picked {
+    let u = u.to_array();
+    let picked = u.map(|u| pick(data.lights, u));
+    let below = f32x8::from(picked.map(|i| if i == 0 { 0.0 } else { data.lights[i - 1].cumulative }));
+    let above = f32x8::from(picked.map(|i| data.lights[i].cumulative));
+    // The number that picked the triangle is stretched over its share and serves again.
+    let again = ((f32x8::from(u) - below) / (above - below)).fast_max(f32x8::ZERO).fast_min(f32x8::ONE);
+    // Random numbers go by steps: what counts is how many of them fall on the share.
+    let steps = (above * f32x8::splat(STEPS)).ceil() - (below * f32x8::splat(STEPS)).ceil();
+    Picked { light: picked.map(|i| i as u32), probability: steps * f32x8::splat(1.0 / STEPS), again }
+}
+
+/// How many values a coordinate of [`sobol`](crate::maths::sobol) has.
+const STEPS: f32 = (1 << 24) as f32;
+
+/// Whether to look for the lights that a ray meets one by one, before what may be in between.
+#[inline(always)]
+pub(super) fn are_few(data: &SceneData<'_>) -> bool {
+    data.lights.len() <= SHORT
+}
+
+/// Tables up to this length are searched from the front.
+const SHORT: usize = 8;
+
+/// The light whose share `u` falls on.
+#[inline(always)]
+fn pick(lights: &[Light], u: f32) -> usize {
+    let last = lights.len() - 1;
+    if lights.len() <= SHORT {
+        return lights[..last].iter().map(|l| usize::from(l.cumulative <= u)).sum();
+    }
+    lights.partition_point(|l| l.cumulative <= u).min(last)
+}

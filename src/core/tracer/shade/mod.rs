@@ -1,0 +1,20 @@
+//! From hits to radiance: materials, lights and the integrators that combine them.
+//!
+//! * `hit` – what the surface is like where a ray meets it; `fetch` – how its records are fetched;
+//! * `light` – picking a light and a point on it;
+//! * `rough`, `specular` – the scattering functions;
+//! * `queue`, `shadow` – packets of paths and of shadow rays, kept full;
+//! * [`path`] – the path tracer; [`direct`] – direct lighting alone;
+//! * [`shoot`], [`gather`] – photons from the lights, and the integrator that looks them up.
+
+pub mod direct;
+mod fetch;
+pub mod gather;
+mod hit;
+mod light;
+pub mod path;
+mod queue;
+mod rough;
+mod shadow;
+pub mod shoot;
+mod specular;

@@ -1,0 +1,450 @@
+//! A path tracer over packets: next-event estimation, multiple importance sampling, Russian roulette.
+//!
+//! Paths advance together, bounce by bounce. A bounce traces every packet, adds what the surfaces emit, queues a
+//! shadow ray towards a light, samples the next direction and packs the survivors into full packets again (see
+//! `queue`). Light that a path meets by chance and light that was aimed at are weighted by the power heuristic
+//! (Veach 1997, section 9.2.4). Depth counts as in Mitsuba: 1 is emitted light seen directly, 2 is direct
+//! lighting. From depth 5 on a path survives with the probability of its throughput, at most 0.95.
+//!
+//! All randomness comes from the samples' own Sobol sets, three for each depth, whatever is traced beside it;
+//! only hits that are equal up to rounding can depend on the other rays of a packet.
+
+use super::hit::SurfacePoints;
+use super::light::Receiver;
+use super::light::{self, LightPoints, Lights};
+use super::queue::{Paths, Queue, SLACK};
+use super::rough::Rough;
+use super::shadow::{ShadowRays, Shadows};
+use super::specular;
+use crate::maths::sobol;
+use crate::maths::vec3::{Vec3x8, pack_unit, unpack_unit};
+use crate::sampler::batch::{Batch8, Integrand, Rgb8};
+use crate::tracer::camera::Camera;
+use crate::tracer::scene::{Scattering, Scene};
+use crate::tracer::trace::{Hits8, Rays8, Tracer, perpendicular};
+use wide::{f32x8, u32x8};
+
+pub use super::queue::Packet;
+
+/// Depth from which on paths may be ended by chance.
+pub(super) const ROULETTE_DEPTH: u32 = 5;
+
+/// Largest probability of surviving the roulette.
+const MAX_SURVIVAL: f32 = 0.95;
+
+/// Shadow rays end this fraction before the light, so that they do not hit it.
+const SHADOW_REACH: f32 = 1.0 - 1e-4;
+
+/// Sobol sets a depth uses: light position, direction, and choices.
+pub(super) const SETS: u32 = 3;
+
+/// How full packets were: rays traced over eight times the packets traced is the occupancy.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Traffic {
+    /// Packets traced for the nearest hit.
+    pub packets: u64,
+    /// Rays in them.
+    pub rays: u64,
+    /// Packets traced for occlusion.
+    pub shadow_packets: u64,
+    /// Rays in them.
+    pub shadow_rays: u64,
+}
+
+/// The path tracer. Implements [`Integrand`].
+pub struct PathTracer<'a> {
+    pub(super) tracer: Tracer<'a>,
+    camera: Camera,
+    pub(super) max_depth: u32,
+    pub(super) queue: Queue<'a>,
+    pub(super) shadows: Shadows,
+    pub(super) traffic: Traffic,
+}
+
+impl<'a> PathTracer<'a> {
+    /// Packets of memory needed to work on `samples` samples at once. More samples keep the lanes fuller; above
+    /// about two thousand the gain ends and the caches overflow.
+    pub const fn required(samples: usize) -> usize {
+        samples.div_ceil(8) + SLACK
+    }
+
+    /// A path tracer for `scene` seen through `camera`, with paths of up to `max_depth` segments.
+    ///
+    /// `memory` is scratch: [`required`](Self::required) says how much. With less than needed for one packet
+    /// nothing is traced and all radiance is NaN, which the film rejects and counts.
+    pub fn new(scene: Scene<'a>, camera: Camera, max_depth: u32, memory: &'a mut [Packet]) -> Self {
+        PathTracer {
+            tracer: Tracer::new(scene),
+            camera,
+            max_depth,
+            queue: Queue::new(memory),
+            shadows: Shadows::default(),
+            traffic: Traffic::default(),
+        }
+    }
+
+    /// What has been traced so far.
+    pub fn traffic(&self) -> Traffic {
+        self.traffic
+    }
+
+    /// Fills the queue with the primary rays of `batches`.
+    pub(super) fn start(&mut self, batches: &[Batch8]) {
+        self.queue.clear();
+        for (number, batch) in batches.iter().enumerate() {
+            let slot = u32x8::splat(8 * number as u32) + u32x8::new([0, 1, 2, 3, 4, 5, 6, 7]);
+            self.queue.start(&Paths {
+                origin: Vec3x8::splat(self.camera.origin()),
+                direction: self.camera.directions(batch.x, batch.y),
+                throughput: Vec3x8::splat([1.0; 3]),
+                density: f32x8::splat(f32::INFINITY),
+                compression: f32x8::ONE,
+                normal: u32x8::ZERO,
+                index: batch.index,
+                key: batch.key,
+                slot,
+                lanes: batch.lanes.clamp(1, 8),
+            });
+        }
+    }
+
+    /// Adds what the surface emits towards the path, weighted against aiming at it.
+    pub(super) fn add_emission(
+        &self,
+        paths: &Paths,
+        surface: &SurfacePoints,
+        hits: &Hits8,
+        radiance: &mut [Rgb8],
+    ) {
+        if let Some((value, lit)) = emitted(self.tracer.scene(), paths, surface, hits) {
+            super::shadow::accumulate(radiance, paths.slot, value, lit.to_bitmask());
+        }
+    }
+
+    /// Ends paths whose next segment counts only if it ends on a light: looks for the light first, and for what is in
+    /// between only if there is one. For scenes of [few lights](light::are_few).
+    pub(super) fn end_on_lights(&mut self, paths: &Paths, alive: f32x8, radiance: &mut [Rgb8]) {
+        let t_max = alive.select(f32x8::splat(f32::INFINITY), f32x8::splat(-1.0));
+        let rays = Rays8 { origin: paths.origin, direction: paths.direction, t_max };
+        let hits = self.tracer.closest_light(&rays);
+        if !hits.any() {
+            return;
+        }
+        let surface = SurfacePoints::at(self.tracer.scene(), &rays, &hits);
+        if let Some((value, lit)) = emitted(self.tracer.scene(), paths, &surface, &hits) {
+            let t_max = hits.t * f32x8::splat(SHADOW_REACH);
+            let (origin, direction, slot) = (paths.origin, paths.direction, paths.slot);
+            self.queue_shadows(&ShadowRays { origin, direction, t_max, value, slot }, lit, radiance);
+        }
+    }
+
+    /// Queues a shadow ray and samples the next direction in the lanes of `rough`.
+    pub(super) fn scatter_rough(
+        &mut self,
+        next: &mut Paths,
+        surface: &SurfacePoints,
+        rough: f32x8,
+        depth: u32,
+        radiance: &mut [Rgb8],
+    ) {
+        let frame = Frame::new(surface.normal);
+        let bsdf = Rough::new(surface, frame.to_local(-next.direction));
+        if !self.tracer.scene().data().lights.is_empty() {
+            let (u, v) = sobol::point(next.index, next.key, SETS * depth - 2);
+            let point = lights(self.tracer.scene(), next, surface).sample(u, v);
+            let shadow = aim(next, surface, &frame, &bsdf, &point, f32x8::ONE);
+            self.queue_shadows(&shadow, rough, radiance);
+        }
+        let point = sobol::point(next.index, next.key, SETS * depth - 1);
+        let (index, key) = (next.index, next.key);
+        let part = || sobol::point(index, key, SETS * depth).0;
+        scatter(next, &frame, &bsdf, rough, point, part);
+    }
+
+    /// Queues the shadow rays in the lanes of `rough` that carry anything.
+    #[inline(always)]
+    pub(super) fn queue_shadows(&mut self, shadow: &ShadowRays, rough: f32x8, radiance: &mut [Rgb8]) {
+        // What is not a number is wanted, too: it arrives, and the film counts it.
+        let mut wanted = (rough & !shadow.value.max_component().simd_le(f32x8::ZERO)).to_bitmask();
+        while wanted != 0 {
+            wanted = self.shadows.fill(shadow, wanted);
+            if self.shadows.lanes() == 8 {
+                self.trace_shadows(radiance);
+            }
+        }
+    }
+
+    pub(super) fn trace_shadows(&mut self, radiance: &mut [Rgb8]) {
+        self.traffic.shadow_packets += 1;
+        self.traffic.shadow_rays += u64::from(self.shadows.lanes());
+        let rays = self.shadows.rays();
+        let free = self.shadows.take() & !self.tracer.occluded(&rays);
+        self.shadows.deliver(free, radiance);
+    }
+}
+
+/// An integrator that follows paths bounce by bounce, with a path tracer's queue and shadow rays.
+pub(super) trait Wavefront<'a> {
+    /// The path tracer it works with.
+    fn paths(&mut self) -> &mut PathTracer<'a>;
+
+    /// Takes one packet through one bounce.
+    fn bounce(&mut self, paths: &Paths, depth: u32, radiance: &mut [Rgb8]);
+
+    /// Traces what is left when the last bounce is over, but for shadow rays.
+    fn finish(&mut self, _radiance: &mut [Rgb8]) {}
+}
+
+/// The radiance of many samples: as many at once as the queue has room for, NaN if it has none.
+pub(super) fn stream<'a>(integrator: &mut impl Wavefront<'a>, batches: &[Batch8], radiance: &mut [Rgb8]) {
+    let capacity = integrator.paths().queue.capacity();
+    if capacity == 0 {
+        let nan = f32x8::splat(f32::NAN);
+        radiance.fill(Rgb8 { r: nan, g: nan, b: nan });
+        return;
+    }
+    for (batches, radiance) in batches.chunks(capacity).zip(radiance.chunks_mut(capacity)) {
+        radiance.fill(Rgb8::default());
+        integrator.paths().start(batches);
+        for depth in 1..=integrator.paths().max_depth {
+            for i in 0..integrator.paths().queue.len() {
+                let paths = integrator.paths().queue.packet(i);
+                integrator.bounce(&paths, depth, radiance);
+            }
+            integrator.paths().queue.turn();
+        }
+        integrator.finish(radiance);
+        if integrator.paths().shadows.lanes() > 0 {
+            integrator.paths().trace_shadows(radiance);
+        }
+    }
+}
+
+/// The radiance of eight samples, by [`stream`].
+pub(super) fn radiance<'a>(integrator: &mut impl Wavefront<'a>, batch: &Batch8) -> Rgb8 {
+    let mut out = [Rgb8::default()];
+    stream(integrator, core::slice::from_ref(batch), &mut out);
+    out[0]
+}
+
+impl<'a> Wavefront<'a> for PathTracer<'a> {
+    fn paths(&mut self) -> &mut PathTracer<'a> {
+        self
+    }
+
+    fn bounce(&mut self, paths: &Paths, depth: u32, radiance: &mut [Rgb8]) {
+        let rays = paths.rays();
+        self.traffic.packets += 1;
+        self.traffic.rays += u64::from(paths.lanes);
+        let hits = self.tracer.closest(&rays);
+        if !hits.any() {
+            return;
+        }
+        let surface = SurfacePoints::at(self.tracer.scene(), &rays, &hits);
+        self.add_emission(paths, &surface, &hits, radiance);
+        if depth >= self.max_depth {
+            return;
+        }
+        let mut next = *paths;
+        let rough = surface.scatters(Scattering::Rough);
+        if rough.any() {
+            self.scatter_rough(&mut next, &surface, rough, depth, radiance);
+        }
+        if (surface.hit & !rough).any() {
+            let (choice, _) = sobol::point(paths.index, paths.key, SETS * depth);
+            scatter_specular(&mut next, &surface, choice);
+        }
+        reject_nan(&next, surface.hit, radiance);
+        let alive = survivors(&mut next, surface.hit, depth);
+        next.origin = surface.leave(next.direction);
+        if depth + 1 == self.max_depth && light::are_few(self.tracer.scene().data()) {
+            self.end_on_lights(&next, alive, radiance);
+        } else {
+            self.queue.push(&next, alive.to_bitmask());
+        }
+    }
+}
+
+impl Integrand for PathTracer<'_> {
+    fn radiance(&mut self, batch: &Batch8) -> Rgb8 {
+        radiance(self, batch)
+    }
+
+    fn stream(&mut self, batches: &[Batch8], radiance: &mut [Rgb8]) {
+        stream(self, batches, radiance);
+    }
+}
+
+/// What the surface emits towards the path, weighted against aiming at it, and the lanes in which it does; none if
+/// there is none.
+#[inline(always)]
+fn emitted(
+    scene: &Scene<'_>,
+    paths: &Paths,
+    surface: &SurfacePoints,
+    hits: &Hits8,
+) -> Option<(Vec3x8, f32x8)> {
+    let front = surface.cosine.simd_gt(f32x8::ZERO);
+    let lit = surface.hit & front & surface.emission.max_component().simd_gt(f32x8::ZERO);
+    if !lit.any() {
+        return None;
+    }
+    // Nobody aims at what is seen directly or in a mirror.
+    let by_chance = lit & paths.density.simd_lt(f32x8::splat(f32::INFINITY));
+    let receiver = || Receiver { position: paths.origin, normal: unpack_unit(paths.normal) };
+    let density = light::density(scene, receiver, hits.triangle, surface.emission, by_chance.to_bitmask());
+    let aimed = density * hits.t * hits.t / surface.cosine;
+    let weight = power_heuristic(paths.density, aimed);
+    Some((paths.throughput.scaled(surface.emission) * weight, lit))
+}
+
+/// The lights as seen from the surface, whose normal the paths take along.
+#[inline(always)]
+pub(super) fn lights<'a>(scene: &'a Scene<'_>, next: &mut Paths, surface: &SurfacePoints) -> Lights<'a> {
+    Lights::new(scene, || {
+        next.normal = pack_unit(surface.normal);
+        Receiver { position: surface.position, normal: unpack_unit(next.normal) }
+    })
+}
+
+/// Shadow rays towards points on the lights, with what they carry if nothing is in between. `share` is the
+/// number of scattered directions for each point on a light.
+#[inline(always)]
+pub(super) fn aim(
+    paths: &Paths,
+    surface: &SurfacePoints,
+    frame: &Frame,
+    bsdf: &Rough,
+    point: &LightPoints,
+    share: f32x8,
+) -> ShadowRays {
+    // What arrives is reckoned from the surface itself; only the ray starts off it.
+    let toward = point.position - surface.position;
+    let distance = toward.length();
+    let direction = toward * (f32x8::ONE / distance);
+    let cosine = -direction.dot(point.normal);
+    let (value, scattered) = bsdf.evaluate(frame.to_local(direction));
+    let per_solid_angle = distance * distance / cosine;
+    let weight = power_heuristic(point.density * per_solid_angle, scattered * share)
+        / (point.exact_density * per_solid_angle);
+    let value = paths.throughput.scaled(value).scaled(point.radiance) * weight;
+    let lit = cosine.simd_gt(f32x8::ZERO);
+    let origin = surface.leave(toward);
+    let ray = point.position - origin;
+    let length = ray.length();
+    ShadowRays {
+        origin,
+        direction: ray * (f32x8::ONE / length),
+        t_max: length * f32x8::splat(SHADOW_REACH),
+        value: Vec3x8::select(lit, value, Vec3x8::default()),
+        slot: paths.slot,
+    }
+}
+
+/// Replaces direction and throughput in the lanes of `rough` by a sample of the scattering function.
+#[inline(always)]
+pub(super) fn scatter(
+    next: &mut Paths,
+    frame: &Frame,
+    bsdf: &Rough,
+    rough: f32x8,
+    (u, v): (f32x8, f32x8),
+    part: impl FnOnce() -> f32x8,
+) {
+    let incoming = bsdf.sample(u, v, part);
+    let (value, density) = bsdf.evaluate(incoming);
+    let weight = value * (f32x8::ONE / density);
+    let none = Vec3x8::default();
+    // Not "above 0": a density that is not a number must not end the path like one of zero (see `reject_nan`).
+    let throughput = Vec3x8::select(density.simd_le(f32x8::ZERO), none, next.throughput.scaled(weight));
+    next.throughput = Vec3x8::select(rough, throughput, next.throughput);
+    next.direction = Vec3x8::select(rough, frame.to_world(incoming), next.direction);
+    next.density = rough.select(density, next.density);
+}
+
+/// Replaces direction and throughput in the lanes that hit a mirror or a dielectric.
+pub(super) fn scatter_specular(next: &mut Paths, surface: &SurfacePoints, choice: f32x8) {
+    let infinite = f32x8::splat(f32::INFINITY);
+    let mirror = surface.scatters(Scattering::Mirror);
+    let glass = surface.scatters(Scattering::Dielectric);
+    let through = specular::dielectric(surface, next.direction, choice);
+    let mirrored = specular::reflect(next.direction, surface.normal);
+    let weight = Vec3x8::select(glass, through.weight, surface.specular);
+    let direction = Vec3x8::select(glass, through.direction, mirrored);
+    let either = mirror | glass;
+    next.throughput = Vec3x8::select(either, next.throughput.scaled(weight), next.throughput);
+    next.direction = Vec3x8::select(either, direction, next.direction);
+    next.density = either.select(infinite, next.density);
+    next.compression = glass.select(next.compression * through.compression, next.compression);
+}
+
+/// Makes the radiance of samples whose path, in the lanes of `hit`, carries what is not a number, or goes there, NaN, so
+/// that the film rejects and counts them: the path itself ends without a word, since NaN is not above 0 and a ray
+/// without a direction hits nothing.
+#[inline(always)]
+pub(super) fn reject_nan(paths: &Paths, hit: f32x8, radiance: &mut [Rgb8]) {
+    let sum = |v: Vec3x8| v.x + v.y + v.z;
+    let all = sum(paths.throughput) + sum(paths.direction);
+    let lost = hit & !all.simd_eq(all);
+    if lost.any() {
+        super::shadow::accumulate(radiance, paths.slot, Vec3x8::splat([f32::NAN; 3]), lost.to_bitmask());
+    }
+}
+
+/// Ends paths that carry nothing, and by chance those that carry little; returns the others.
+pub(super) fn survivors(next: &mut Paths, hit: f32x8, depth: u32) -> f32x8 {
+    let carried = next.throughput.max_component();
+    let mut alive = hit & carried.simd_gt(f32x8::ZERO);
+    if depth >= ROULETTE_DEPTH {
+        let (_, chance) = sobol::point(next.index, next.key, SETS * depth);
+        let survival = (carried / next.compression).fast_min(f32x8::splat(MAX_SURVIVAL));
+        alive &= chance.simd_lt(survival);
+        next.throughput = next.throughput * (f32x8::ONE / survival);
+    }
+    alive
+}
+
+/// Weight of a technique of density `own` beside one of density `other`: a²/(a² + b²), without overflow.
+#[inline(always)]
+fn power_heuristic(own: f32x8, other: f32x8) -> f32x8 {
+    let ratio = other / own;
+    f32x8::ONE / (f32x8::ONE + ratio * ratio)
+}
+
+/// An orthonormal frame whose third axis is the shading normal.
+pub(super) struct Frame {
+    tangent: Vec3x8,
+    bitangent: Vec3x8,
+    normal: Vec3x8,
+}
+
+impl Frame {
+    #[inline(always)]
+    pub(super) fn new(normal: Vec3x8) -> Self {
+        let (tangent, bitangent) = perpendicular(normal);
+        Frame { tangent, bitangent, normal }
+    }
+
+    #[inline(always)]
+    pub(super) fn to_local(&self, v: Vec3x8) -> Vec3x8 {
+        Vec3x8::new(v.dot(self.tangent), v.dot(self.bitangent), v.dot(self.normal))
+    }
+
+    /// One lane's frame in all lanes.
+    #[inline(always)]
+    pub(super) fn lane(&self, lane: usize) -> Self {
+        Frame {
+            tangent: self.tangent.lane(lane),
+            bitangent: self.bitangent.lane(lane),
+            normal: self.normal.lane(lane),
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn to_world(&self, v: Vec3x8) -> Vec3x8 {
+        self.tangent * v.x + self.bitangent * v.y + self.normal * v.z
+    }
+}
+
+#[cfg(test)]
+mod tests;
