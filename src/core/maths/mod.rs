@@ -3,6 +3,7 @@
 pub mod colour;
 pub(crate) mod eight;
 pub mod functions;
+pub(crate) mod matrix;
 pub mod sobol;
 pub mod tvi;
 pub mod vec3;

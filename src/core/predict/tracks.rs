@@ -4,7 +4,8 @@
 //! A homography is right for a plane or a turning camera, and near the truth for a small region: dense regions are
 //! small, and matter most. Where neither a region's nor the picture's homography holds, nothing is carried.
 
-use super::{Error, pixel_at};
+use super::belief::Error;
+use super::carry::pixel_at;
 use crate::predict::features::{Feature, matches};
 use crate::predict::homography::{self, Block, Homography, Pair};
 

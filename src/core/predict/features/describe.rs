@@ -6,18 +6,12 @@
 //! next directions on either side: no angle is computed, and all directions are done at once.
 
 use super::extrema::Extremum;
+use super::feature::{CELLS, DESCRIPTOR, Feature, UNIT};
+use super::octave::{Octave, level_blur};
 use super::strongest::Strongest;
-use super::{Feature, Octave, level_blur};
 use crate::maths::functions::sin_cos_turn;
 use wide::{f32x8, i32x8};
 
-/// Numbers of a descriptor.
-pub const DESCRIPTOR: usize = CELLS * CELLS * 8;
-/// Norm of a descriptor.
-pub const UNIT: f32 = 8_192.0;
-
-/// Cells of a descriptor along a side.
-const CELLS: usize = 4;
 /// Gradients along a side of the grid.
 const SIDE: usize = 16;
 /// Vectors of eight directions for the dominant one.

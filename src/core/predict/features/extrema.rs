@@ -1,8 +1,9 @@
 //! Extrema of differences of Gaussians in place and scale.
 
 use super::blur::load;
-use super::{Octave, STEPS, Settings};
-use crate::predict::homography::{adjugate, determinant};
+use super::octave::{Octave, STEPS};
+use super::picture::Settings;
+use crate::maths::matrix::{adjugate, determinant};
 use wide::f32x8;
 
 /// Pixels at the edge of an octave where nothing is looked for.

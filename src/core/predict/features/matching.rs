@@ -1,6 +1,6 @@
 //! Who is who: the nearest descriptor, if it is clearly nearer than the second.
 
-use super::{DESCRIPTOR, Feature, UNIT};
+use super::feature::{DESCRIPTOR, Feature, UNIT};
 use crate::predict::homography::Pair;
 use wide::{i16x16, i32x8};
 

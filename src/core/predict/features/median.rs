@@ -1,7 +1,7 @@
 //! The median of 3 × 3 pixels.
 
 use super::blur::{load, starts};
-use super::{Error, Picture};
+use super::picture::{Error, Picture};
 use wide::f32x8;
 
 /// Writes the median of every pixel's 3 × 3 neighbourhood to `target`; beyond the border pixels repeat.

@@ -1,6 +1,6 @@
 //! The features of largest response, as many as fit.
 
-use super::Feature;
+use super::feature::Feature;
 
 /// A heap on lent memory: once it is full, the weakest is on top.
 pub(super) struct Strongest<'a> {

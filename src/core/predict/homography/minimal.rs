@@ -1,6 +1,7 @@
 //! Normalised coordinates, small matrices, and the homography through four pairs.
 
-use super::{Error, Homography, MAX_COORDINATE, Matrix, Pair};
+use super::mapping::{Error, Homography, MAX_COORDINATE, Pair};
+use crate::maths::matrix::Matrix;
 
 /// Least |area| of a triangle of a sample, twice, in normalised coordinates: below it points count as collinear.
 pub(super) const MIN_AREA: f64 = 1e-6;
@@ -75,24 +76,6 @@ fn product(a: &Matrix, b: &Matrix) -> Matrix {
     a.map(|row| [0, 1, 2].map(|j| row[0] * b[0][j] + row[1] * b[1][j] + row[2] * b[2][j]))
 }
 
-/// a × b.
-#[inline(always)]
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-/// Transposed cofactors: the inverse times the determinant.
-pub(crate) fn adjugate(m: &Matrix) -> Matrix {
-    let [a, b, c] = [cross(m[1], m[2]), cross(m[2], m[0]), cross(m[0], m[1])];
-    [0, 1, 2].map(|i| [a[i], b[i], c[i]])
-}
-
-/// The determinant.
-pub(crate) fn determinant(m: &Matrix) -> f64 {
-    let minor = cross(m[1], m[2]);
-    m[0][0] * minor[0] + m[0][1] * minor[1] + m[0][2] * minor[2]
-}
-
 /// Twice the signed area of a triangle.
 #[inline(always)]
 fn area(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
@@ -130,4 +113,18 @@ pub(super) fn through(from: &[[f64; 2]; 4], to: &[[f64; 2]; 4], least: f64) -> O
     // With the dual basis not divided by d, w has its sign.
     let w = matrix[2][2];
     (w * a[3] > 0.0).then(|| matrix.map(|row| row.map(|entry| entry / w)))
+}
+
+impl Homography {
+    /// The homography through four pairs, exactly.
+    ///
+    /// # Errors
+    /// [`Error::Coordinate`], or [`Error::Degenerate`] if three points of a picture are (nearly) collinear or the
+    /// pairs do not keep the orientation of every triple.
+    pub fn through(pairs: &[Pair; 4]) -> Result<Homography, Error> {
+        let frames = frames(pairs)?;
+        let [from, to] = [0, 1].map(|i| pairs.map(|pair| frames[i].inward(side(&pair, i))));
+        let matrix = through(&from, &to, MIN_AREA).ok_or(Error::Degenerate)?;
+        Ok(outward(&matrix, &frames))
+    }
 }

@@ -37,149 +37,17 @@
 //! # Ok::<(), homography::Error>(())
 //! ```
 
+mod mapping;
 mod minimal;
 mod normal;
 mod refine;
 mod score;
 mod search;
+mod settings;
 
-pub(crate) use minimal::{adjugate, determinant};
+pub use mapping::{Error, Homography, MAX_COORDINATE, Pair};
 pub use score::Block;
-
-/// Largest coordinate of a point, either way.
-pub const MAX_COORDINATE: f64 = 1e6;
-/// How far noise on the inliers may be magnified at the corners of their bounding box.
-pub const MAX_GAIN: f64 = 10.0;
-
-/// A 3 × 3 matrix, row by row.
-pub(crate) type Matrix = [[f64; 3]; 3];
-
-/// A point of the first picture and the one it corresponds to in the second, in pixels.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Pair {
-    /// x and y in the first picture.
-    pub from: [f64; 2],
-    /// x and y in the second picture.
-    pub to: [f64; 2],
-}
-
-/// A projective mapping of the plane.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Homography {
-    /// Maps (x, y, 1) to (x', y', 1)·w. The sign is such that w > 0 in front of the horizon; the scale is free.
-    pub matrix: [[f64; 3]; 3],
-}
-
-impl Homography {
-    /// The mapping that leaves every point where it is.
-    pub const IDENTITY: Homography =
-        Homography { matrix: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]] };
-
-    /// The homography through four pairs, exactly.
-    ///
-    /// # Errors
-    /// [`Error::Coordinate`], or [`Error::Degenerate`] if three points of a picture are (nearly) collinear or the
-    /// pairs do not keep the orientation of every triple.
-    pub fn through(pairs: &[Pair; 4]) -> Result<Homography, Error> {
-        let frames = minimal::frames(pairs)?;
-        let [from, to] = [0, 1].map(|side| pairs.map(|pair| frames[side].inward(minimal::side(&pair, side))));
-        let matrix = minimal::through(&from, &to, minimal::MIN_AREA).ok_or(Error::Degenerate)?;
-        Ok(minimal::outward(&matrix, &frames))
-    }
-
-    /// Where a point goes; nothing if it lies on or behind the horizon.
-    #[inline]
-    pub fn apply(&self, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
-        let [a, b, w] = self.matrix.map(|row| row[0] * x + row[1] * y + row[2]);
-        (w > 0.0).then(|| [a / w, b / w])
-    }
-
-    /// The mapping back; nothing if the matrix is singular.
-    ///
-    /// What `self` maps in front of the horizon, the inverse maps in front of it as well.
-    pub fn inverse(&self) -> Option<Homography> {
-        let determinant = minimal::determinant(&self.matrix);
-        let matrix = minimal::adjugate(&self.matrix).map(|row| row.map(|entry| entry / determinant));
-        matrix.iter().flatten().all(|entry| entry.is_finite()).then_some(Homography { matrix })
-    }
-
-    /// Distance in the second picture between where a pair's first point goes and its second point, in pixels;
-    /// infinite behind the horizon.
-    #[inline]
-    pub fn error(&self, pair: &Pair) -> f64 {
-        self.apply(pair.from).map_or(f64::INFINITY, |[x, y]| {
-            let (x, y) = (x - pair.to[0], y - pair.to[1]);
-            libm::sqrt(x * x + y * y)
-        })
-    }
-}
-
-/// How [`estimate`] searches.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Settings {
-    /// Largest distance of an inlier in the second picture, in pixels; above 0.
-    pub threshold: f64,
-    /// Probability with which the search should have met a sample of inliers only; 0 to less than 1.
-    pub confidence: f64,
-    /// Most samples.
-    pub max_iterations: u32,
-    /// Picks the samples; any number.
-    pub seed: u32,
-}
-
-impl Default for Settings {
-    /// Threshold 3 pixels, confidence 0.995, 5000 samples.
-    fn default() -> Self {
-        Settings { threshold: 3.0, confidence: 0.995, max_iterations: 5_000, seed: 0 }
-    }
-}
-
-/// What [`estimate`] found.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Fit {
-    /// The mapping from the first picture to the second.
-    pub homography: Homography,
-    /// Pairs with an [error](Homography::error) of at most the threshold.
-    pub inliers: u32,
-    /// Estimated standard deviation of the inliers' noise in x and in y, in pixels of the second picture; at
-    /// least a millionth of the spread of the points and at most twice the threshold.
-    pub sigma: f64,
-    /// Samples drawn.
-    pub iterations: u32,
-}
-
-/// Why there is no homography.
-#[non_exhaustive]
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Error {
-    /// Fewer than four pairs, or more than 2^24.
-    Pairs,
-    /// A coordinate is not a number or beyond [`MAX_COORDINATE`].
-    Coordinate,
-    /// The threshold is not a positive number, or the confidence not in 0 … 1.
-    Settings,
-    /// Less scratch than [`required`].
-    Scratch,
-    /// Points coincide or lie on a line, so that no homography is determined.
-    Degenerate,
-    /// No homography has more inliers than chance would give it.
-    NoConsensus,
-}
-
-impl core::fmt::Display for Error {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.write_str(match self {
-            Error::Pairs => "a homography needs 4 to 2^24 pairs of points",
-            Error::Coordinate => "coordinates of points must be numbers between -1e6 and 1e6",
-            Error::Settings => "the threshold must be above 0 and the confidence from 0 to less than 1",
-            Error::Scratch => "less scratch than homography::required says",
-            Error::Degenerate => "the points coincide or lie on a line: they determine no homography",
-            Error::NoConsensus => "no homography fits more pairs than chance would",
-        })
-    }
-}
-
-impl core::error::Error for Error {}
+pub use settings::{Fit, MAX_GAIN, Settings};
 
 /// Blocks of scratch that [`estimate`] needs for a number of pairs.
 pub const fn required(pairs: usize) -> usize {

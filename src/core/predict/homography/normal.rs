@@ -7,9 +7,8 @@
 //! ⎣Bᵀ Cᵀ D⎦
 //! and are solved by S⁻¹ and the Schur complement of D, both in closed form.
 
-use super::Matrix;
-use super::minimal::{adjugate, determinant};
 use super::score::Block;
+use crate::maths::matrix::{Matrix, adjugate, determinant};
 use bytemuck::cast;
 use wide::f64x4;
 

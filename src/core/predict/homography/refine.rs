@@ -1,9 +1,9 @@
 //! Refinement: expectation and maximisation of a mixture of Gaussian inliers and uniform outliers.
 
-use super::Matrix;
 use super::normal::{Equations, Sums};
 use super::score::{Block, Matrix8};
 use crate::maths::functions::exp2;
+use crate::maths::matrix::Matrix;
 use wide::f32x8;
 
 /// The model of the residuals, in normalised coordinates of the second picture.

@@ -1,7 +1,8 @@
 //! Scores of homographies, eight pairs at a time.
 
+use super::mapping::Pair;
 use super::minimal::Frame;
-use super::{Matrix, Pair};
+use crate::maths::matrix::Matrix;
 use wide::f32x8;
 
 /// Least w of a pair to count, where it is 1 at the centroid of all: nearer to the horizon nothing is certain.

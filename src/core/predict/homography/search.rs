@@ -1,9 +1,11 @@
 //! The search: samples, scores, refinement, and the conditions a result must meet.
 
-use super::minimal::{Frame, determinant, outward, through};
+use super::mapping::{Error, Pair};
+use super::minimal::{Frame, outward, through};
 use super::refine::{Noise, Refiner};
 use super::score::{Block, Matrix8, Score, Test, fill};
-use super::{Error, Fit, MAX_GAIN, Matrix, Pair, Settings};
+use super::settings::{Fit, MAX_GAIN, Settings};
+use crate::maths::matrix::{Matrix, determinant};
 use crate::maths::sobol::hash;
 use core::f64::consts::PI;
 

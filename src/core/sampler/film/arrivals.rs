@@ -1,6 +1,6 @@
 //! New samples on their way into the film: one pixel's are summed, then eight pixels at a time are merged.
 
-use super::Planes;
+use super::planes::Planes;
 use crate::maths::colour::luminance8;
 use crate::maths::eight::{count8, read8, write8};
 use crate::sampler::batch::Rgb8;

@@ -1,6 +1,6 @@
 //! Cells of 8 × 8 pixels, four to a tile: what is smooth over dozens of pixels is computed once a cell.
 
-use super::Layout;
+use super::layout::Layout;
 use core::ops::Range;
 
 /// Side of a cell in pixels.

@@ -3,7 +3,7 @@
 //! Quantities of a tile and of the pixels around it are computed into small raster [`Block`]s; beyond the film they
 //! are zero, so windows at the border sum over the pixels that exist.
 
-use super::{Layout, TILE, Tile};
+use super::layout::{Layout, TILE, Tile};
 use crate::maths::eight::{read8, write8};
 use core::ops::Range;
 use wide::f32x8;

@@ -1,6 +1,6 @@
 //! Builds the tree: medians along the widest axis, in place.
 
-use super::{Error, Leaf, Site, Split};
+use super::record::{self, Error, Leaf, Site, Split};
 
 /// Orders `sites` and writes the tree over them. The same records in the same order give the same tree.
 ///
@@ -28,7 +28,7 @@ pub(super) fn check_lengths(sites: usize, splits: &[Split], leaves: &[Leaf]) -> 
     if sites > u32::MAX as usize - 8 {
         return Err(Error::TooMany);
     }
-    let fits = leaves.len() == super::leaves(sites) && splits.len() + 1 == leaves.len();
+    let fits = leaves.len() == record::leaves(sites) && splits.len() + 1 == leaves.len();
     if fits { Ok(()) } else { Err(Error::Length) }
 }
 

@@ -1,6 +1,8 @@
 //! Irradiance from photons.
 
-use super::{Irradiance, Neighbours, Photon, Query, Tree};
+use super::neighbours::Neighbours;
+use super::record::{Irradiance, Photon};
+use super::tree::{Query, Tree};
 use crate::maths::vec3;
 
 /// Photons an estimate of irradiance averages over.

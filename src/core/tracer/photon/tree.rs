@@ -1,7 +1,8 @@
 //! A checked tree and its walk: the leaves near a point, nearest first.
 
 use super::build::{check_lengths, extent};
-use super::{Error, Leaf, Neighbours, Site, Split};
+use super::neighbours::Neighbours;
+use super::record::{Error, Leaf, Site, Split};
 use wide::f32x8;
 
 /// Cosine between a record's normal and the query's from which on they go together.

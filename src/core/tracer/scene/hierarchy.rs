@@ -1,7 +1,6 @@
 //! The bounding volume hierarchy that rays walk, and whether a walk through it is safe.
 
 use super::surface::Triangle;
-use super::{Error, SceneData};
 use bytemuck::{Pod, Zeroable};
 
 /// Levels of nodes a hierarchy may have: what the traversal's stack is made for.
@@ -44,7 +43,7 @@ impl Node8 {
 
     /// How many children there are, if those that are not there come last and every box is finite or empty. A walk over a
     /// packet stops at the first empty box, that of a single ray looks at all eight: both must see the same.
-    fn children(&self) -> Option<usize> {
+    pub(super) fn children(&self) -> Option<usize> {
         let used = (0..8).take_while(|&child| self.is_used(child)).count();
         let finite = |child: usize| {
             (0..3).all(|axis| {
@@ -62,12 +61,12 @@ impl Node8 {
     }
 
     /// Whether the box of `child` encloses another.
-    fn encloses(&self, child: usize, lower: [f32; 3], upper: [f32; 3]) -> bool {
+    pub(super) fn encloses(&self, child: usize, lower: [f32; 3], upper: [f32; 3]) -> bool {
         (0..3).all(|k| self.lower[k][child] <= lower[k] && upper[k] <= self.upper[k][child])
     }
 
     /// Whether the box of `child` encloses all of a node's boxes.
-    fn encloses_node(&self, child: usize, node: &Node8) -> bool {
+    pub(super) fn encloses_node(&self, child: usize, node: &Node8) -> bool {
         let corner = |rows: &[[f32; 8]; 3], i: usize| rows.map(|row| row[i]);
         (0..8)
             .filter(|&i| node.is_used(i))
@@ -100,7 +99,7 @@ impl Leaf8 {
     }
 
     /// Whether it holds `triangles`, all of a leaf's, bit by bit, and nothing else that could be hit.
-    fn holds(&self, triangles: &[Triangle]) -> bool {
+    pub(super) fn holds(&self, triangles: &[Triangle]) -> bool {
         let corner = |lane: usize, k: usize| self.corners[k].map(|row| row[lane].to_bits());
         let same = |(lane, triangle): (usize, &Triangle)| {
             (0..3).all(|k| corner(lane, k) == triangle.corners[k].map(f32::to_bits))
@@ -109,53 +108,4 @@ impl Leaf8 {
         triangles.iter().enumerate().all(same)
             && rows().all(|row| row[triangles.len()..].iter().all(|x| x.is_nan()))
     }
-}
-
-/// Walks the hierarchy as a ray would that hits everything.
-pub(super) fn check(data: &SceneData) -> Result<(), Error> {
-    let mut stack = [(0u32, 0u32); STACK];
-    let mut top = usize::from(!data.nodes.is_empty());
-    let mut visited = 0;
-    while top > 0 {
-        top -= 1;
-        let (index, depth) = stack[top];
-        visited += 1;
-        if visited > data.nodes.len() {
-            return Err(Error::Node(index as usize));
-        }
-        if depth as usize >= MAX_DEPTH {
-            return Err(Error::TooDeep);
-        }
-        let node = &data.nodes[index as usize];
-        let children = node.children().ok_or(Error::Node(index as usize))?;
-        for child in 0..children {
-            let (first, count) = (node.child[child] as usize, node.count[child] as usize);
-            if count > 0 {
-                let triangles = leaf_triangles(data, first, count).ok_or(Error::Node(index as usize))?;
-                if !data.leaves[first].holds(triangles) {
-                    return Err(Error::Leaf(first));
-                }
-                let mut corners = triangles.iter().flat_map(|t| t.corners);
-                if !corners.all(|c| node.encloses(child, c, c)) {
-                    return Err(Error::Bounds(index as usize));
-                }
-            } else {
-                if first <= index as usize || first >= data.nodes.len() {
-                    return Err(Error::Node(index as usize));
-                }
-                if !node.encloses_node(child, &data.nodes[first]) {
-                    return Err(Error::Bounds(index as usize));
-                }
-                stack[top] = (node.child[child], depth + 1);
-                top += 1;
-            }
-        }
-    }
-    Ok(())
-}
-
-/// The triangles of leaf number `leaf`, if it and they exist.
-fn leaf_triangles<'a>(data: &SceneData<'a>, leaf: usize, count: usize) -> Option<&'a [Triangle]> {
-    let start = data.leaves.get(leaf)?.first as usize;
-    if count > 8 { None } else { data.triangles.get(start..start.checked_add(count)?) }
 }

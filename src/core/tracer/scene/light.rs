@@ -1,7 +1,6 @@
 //! What a light is: emitting triangles, and the table that picks one by power.
 
 use super::surface::{Material, Surface, Triangle};
-use super::{Error, SceneData};
 use crate::maths::colour::luminance;
 use crate::maths::vec3;
 
@@ -26,15 +25,6 @@ pub(crate) fn area(triangle: &Triangle) -> f32 {
 /// Luminance times area.
 pub(super) fn power(triangle: &Triangle, material: &Material) -> f64 {
     f64::from(area(triangle)) * f64::from(luminance(material.emission))
-}
-
-/// Luminance times area, summed over the lights.
-pub(super) fn total_power(data: &SceneData<'_>) -> f64 {
-    let of = |light: &Light| {
-        let i = light.triangle as usize;
-        power(&data.triangles[i], &data.materials[data.surfaces[i].material as usize])
-    };
-    data.lights.iter().map(of).sum()
 }
 
 /// How many triangles emit: the length [`build`] needs. Indices out of range count as dark.
@@ -71,20 +61,4 @@ pub fn build(
         last.cumulative = 1.0;
     }
     used
-}
-
-/// Whether every light has a triangle, and the probabilities rise to one.
-pub(super) fn check(data: &SceneData) -> Result<(), Error> {
-    let mut before = 0.0;
-    for (i, light) in data.lights.iter().enumerate() {
-        let there = (light.triangle as usize) < data.triangles.len();
-        if !(there && light.cumulative >= before && light.cumulative <= 1.0) {
-            return Err(Error::Light(i));
-        }
-        before = light.cumulative;
-    }
-    if data.lights.last().is_some_and(|l| l.cumulative != 1.0) {
-        return Err(Error::Light(data.lights.len() - 1));
-    }
-    Ok(())
 }

@@ -1,7 +1,5 @@
 //! What rays hit and what it looks like.
 
-#[cfg(doc)]
-use super::SceneData;
 use bytemuck::{NoUninit, Pod, Zeroable};
 
 /// The value of [`Material::texture`] that means "none".

@@ -3,8 +3,8 @@
 //! What remains of a packet when its rays have parted. The arithmetic of a lane is that of the packet's walk, so
 //! that it does not matter for a hit which of the two found it.
 
-use super::ray::{Hit, Prepared, Slopes};
-use super::{MISS, triangle};
+use super::ray::{Hit, MISS, Prepared, Slopes};
+use super::triangle;
 use crate::tracer::scene::{Node8, STACK, Scene};
 use wide::f32x8;
 

@@ -1,8 +1,7 @@
 //! The walk through the eight-wide hierarchy.
 
-use super::ray::{Prepared, Slopes};
-use super::single;
-use super::{Hits8, Rays8, triangle};
+use super::ray::{Hits8, Prepared, Rays8, Slopes};
+use super::{single, triangle};
 use crate::maths::vec3::Vec3x8;
 use crate::tracer::scene::{Node8, STACK, Scene};
 use wide::f32x8;

@@ -6,8 +6,7 @@
 //! the same coordinates in both, and swapping an edge's ends negates its edge function exactly (the products are
 //! not fused), so a ray that leaves one triangle across the edge enters the other.
 
-use super::ray::{Frames, Hit};
-use super::{Hits8, MISS};
+use super::ray::{Frames, Hit, Hits8, MISS};
 use crate::maths::vec3::Vec3x8;
 use crate::tracer::scene::Leaf8;
 use wide::{f32x8, u32x8};

@@ -1,9 +1,9 @@
 //! Builds the light tree: sets of lights are halved where that lessens their extent, spread and power most.
 
-use super::super::light;
-use super::super::{Light, Material, Surface, Triangle};
-use super::{LIGHT_LEAF, LightNode8, MAX_LIGHT_DEPTH};
+use super::node::{LIGHT_LEAF, LightNode8, MAX_LIGHT_DEPTH};
 use crate::maths::vec3;
+use crate::tracer::scene::light::{self, Light};
+use crate::tracer::scene::surface::{Material, Surface, Triangle};
 use core::f32::consts::{FRAC_PI_2, PI};
 
 /// Up to as many lights the table of powers serves as well: two triangles are mostly the halves of one lamp.

@@ -1,7 +1,8 @@
 use super::*;
 use crate::maths::sobol::hash;
 use crate::maths::vec3;
-use crate::tracer::scene::light_tree::{build, check, required};
+use crate::tracer::scene::check::check_light_tree as check;
+use crate::tracer::scene::light_tree::{build, required};
 use crate::tracer::scene::{Error, Light, Material, SceneData, Surface, Triangle, light};
 
 const MOST: usize = 300;

@@ -1,0 +1,124 @@
+//! What is known of the pixels, a plane a number.
+
+use crate::maths::eight::read8;
+use core::ops::Range;
+use wide::f32x8;
+
+/// Words and floats the film lends from the caller, a pixel.
+pub(crate) const WORDS: usize = 3;
+/// See [`WORDS`].
+pub(crate) const FLOATS: usize = 8;
+/// What a pixel costs in lent memory.
+pub const BYTES_PER_PIXEL: usize = 4 * (WORDS + FLOATS);
+
+/// The planes of a film or of a contiguous part of it, in storage order.
+#[derive(Debug)]
+pub(crate) struct Planes<'a> {
+    /// Samples in `mean`.
+    pub count: &'a mut [u32],
+    /// Samples drawn so far, rejected ones included: where the pixel's sequence goes on.
+    pub drawn: &'a mut [u32],
+    /// Samples planned for the current iteration that are not in the film yet.
+    pub planned: &'a mut [u32],
+    /// Mean radiance, a plane a colour.
+    pub mean: [&'a mut [f32]; 3],
+    /// Sum of squared deviations of luminance from its mean.
+    pub m2: &'a mut [f32],
+    /// The estimator's own mean, a plane a colour: of the fair samples, or of the iterations' pictures.
+    pub fair: [&'a mut [f32]; 3],
+    /// Samples expected of the current iteration; while the kernel adapts, its weight.
+    pub target: &'a mut [f32],
+}
+
+impl<'a> Planes<'a> {
+    /// Divides `floats` and `words`, [`FLOATS`] and [`WORDS`] a pixel, into planes.
+    pub fn new(floats: &'a mut [f32], words: &'a mut [u32], pixels: usize) -> Option<Self> {
+        let mut floats = floats.chunks_exact_mut(pixels);
+        let mut words = words.chunks_exact_mut(pixels);
+        let mut float = || floats.next();
+        Some(Planes {
+            count: words.next()?,
+            drawn: words.next()?,
+            planned: words.next()?,
+            mean: [float()?, float()?, float()?],
+            m2: float()?,
+            fair: [float()?, float()?, float()?],
+            target: float()?,
+        })
+    }
+
+    /// No pixels.
+    pub fn empty() -> Self {
+        let f = || &mut [][..];
+        Planes {
+            count: &mut [],
+            drawn: &mut [],
+            planned: &mut [],
+            mean: [f(), f(), f()],
+            m2: f(),
+            fair: [f(), f(), f()],
+            target: f(),
+        }
+    }
+
+    /// The planes again, for a shorter time.
+    pub fn reborrow(&mut self) -> Planes<'_> {
+        Planes {
+            count: self.count,
+            drawn: self.drawn,
+            planned: self.planned,
+            mean: self.mean.each_mut().map(|p| &mut **p),
+            m2: self.m2,
+            fair: self.fair.each_mut().map(|p| &mut **p),
+            target: self.target,
+        }
+    }
+
+    /// The first `at` pixels, and the rest.
+    pub fn split_at(self, at: usize) -> (Self, Self) {
+        let (count, count_) = self.count.split_at_mut(at);
+        let (drawn, drawn_) = self.drawn.split_at_mut(at);
+        let (planned, planned_) = self.planned.split_at_mut(at);
+        let (m2, m2_) = self.m2.split_at_mut(at);
+        let (target, target_) = self.target.split_at_mut(at);
+        let (mean, mean_) = split_colours(self.mean, at);
+        let (fair, fair_) = split_colours(self.fair, at);
+        (
+            Planes { count, drawn, planned, mean, m2, fair, target },
+            Planes {
+                count: count_,
+                drawn: drawn_,
+                planned: planned_,
+                mean: mean_,
+                m2: m2_,
+                fair: fair_,
+                target: target_,
+            },
+        )
+    }
+
+    /// Mean radiance of pixel `i`.
+    #[cfg(test)]
+    pub fn mean_at(&self, i: usize) -> [f32; 3] {
+        [self.mean[0][i], self.mean[1][i], self.mean[2][i]]
+    }
+
+    /// Mean radiance of up to eight neighbouring pixels.
+    #[inline(always)]
+    pub fn mean8(&self, pixels: Range<usize>) -> [f32x8; 3] {
+        self.mean.each_ref().map(|plane| read8(&plane[pixels.clone()]))
+    }
+
+    /// The estimator's own mean of up to eight neighbouring pixels.
+    #[inline(always)]
+    pub fn fair8(&self, pixels: Range<usize>) -> [f32x8; 3] {
+        self.fair.each_ref().map(|plane| read8(&plane[pixels.clone()]))
+    }
+}
+
+/// Three planes, each divided at `at`.
+fn split_colours(planes: [&mut [f32]; 3], at: usize) -> ([&mut [f32]; 3], [&mut [f32]; 3]) {
+    let [r, g, b] = planes;
+    let ((r, r_), (g, g_), (b, b_)) = (r.split_at_mut(at), g.split_at_mut(at), b.split_at_mut(at));
+    ([r, g, b], [r_, g_, b_])
+}

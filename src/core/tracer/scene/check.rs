@@ -1,0 +1,163 @@
+//! Whether lent slices are a scene: all that the hot path relies on, looked at once.
+
+use super::data::{Error, SceneData};
+use super::hierarchy::{MAX_DEPTH, STACK};
+use super::light_tree::{LIGHT_LEAF, LightNode8, MAX_LIGHT_DEPTH, slot};
+use super::surface::Triangle;
+use crate::maths::vec3;
+
+/// The first thing found wrong.
+pub(super) fn check(data: &SceneData<'_>) -> Result<(), Error> {
+    if data.surfaces.len() != data.triangles.len() {
+        return Err(Error::SurfaceCount);
+    }
+    check_hierarchy(data)?;
+    check_each(data.surfaces, Error::Surface, |s| (s.material as usize) < data.materials.len())?;
+    check_each(data.materials, Error::Material, |m| m.is_valid(data.textures.len()))?;
+    check_each(data.textures, Error::Texture, |t| t.is_valid(data.texels.len()))?;
+    check_lights(data)?;
+    check_light_tree(data)
+}
+
+fn check_each<T>(items: &[T], error: fn(usize) -> Error, valid: impl Fn(&T) -> bool) -> Result<(), Error> {
+    items.iter().position(|item| !valid(item)).map_or(Ok(()), |i| Err(error(i)))
+}
+
+/// Walks the hierarchy as a ray would that hits everything.
+fn check_hierarchy(data: &SceneData) -> Result<(), Error> {
+    let mut stack = [(0u32, 0u32); STACK];
+    let mut top = usize::from(!data.nodes.is_empty());
+    let mut visited = 0;
+    while top > 0 {
+        top -= 1;
+        let (index, depth) = stack[top];
+        visited += 1;
+        if visited > data.nodes.len() {
+            return Err(Error::Node(index as usize));
+        }
+        if depth as usize >= MAX_DEPTH {
+            return Err(Error::TooDeep);
+        }
+        let node = &data.nodes[index as usize];
+        let children = node.children().ok_or(Error::Node(index as usize))?;
+        for child in 0..children {
+            let (first, count) = (node.child[child] as usize, node.count[child] as usize);
+            if count > 0 {
+                let triangles = leaf_triangles(data, first, count).ok_or(Error::Node(index as usize))?;
+                if !data.leaves[first].holds(triangles) {
+                    return Err(Error::Leaf(first));
+                }
+                let mut corners = triangles.iter().flat_map(|t| t.corners);
+                if !corners.all(|c| node.encloses(child, c, c)) {
+                    return Err(Error::Bounds(index as usize));
+                }
+            } else {
+                if first <= index as usize || first >= data.nodes.len() {
+                    return Err(Error::Node(index as usize));
+                }
+                if !node.encloses_node(child, &data.nodes[first]) {
+                    return Err(Error::Bounds(index as usize));
+                }
+                stack[top] = (node.child[child], depth + 1);
+                top += 1;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The triangles of leaf number `leaf`, if it and they exist.
+fn leaf_triangles<'a>(data: &SceneData<'a>, leaf: usize, count: usize) -> Option<&'a [Triangle]> {
+    let start = data.leaves.get(leaf)?.first as usize;
+    if count > 8 { None } else { data.triangles.get(start..start.checked_add(count)?) }
+}
+/// Whether every light has a triangle, and the probabilities rise to one.
+fn check_lights(data: &SceneData) -> Result<(), Error> {
+    let mut before = 0.0;
+    for (i, light) in data.lights.iter().enumerate() {
+        let there = (light.triangle as usize) < data.triangles.len();
+        if !(there && light.cumulative >= before && light.cumulative <= 1.0) {
+            return Err(Error::Light(i));
+        }
+        before = light.cumulative;
+    }
+    if data.lights.last().is_some_and(|l| l.cumulative != 1.0) {
+        return Err(Error::Light(data.lights.len() - 1));
+    }
+    Ok(())
+}
+
+/// Checks that the tree, if there is one, leads to every light, and that every group holds its lights.
+pub(crate) fn check_light_tree(data: &SceneData<'_>) -> Result<(), Error> {
+    if data.light_nodes.is_empty() {
+        return Ok(());
+    }
+    for (i, node) in data.light_nodes.iter().enumerate() {
+        if !node_is_valid(data, i, node) {
+            return Err(Error::LightNode(i));
+        }
+    }
+    if !has_one_place_each(data) {
+        return Err(Error::LightTree);
+    }
+    let rises = |i: usize| i == 0 || data.lights[i - 1].triangle < data.lights[i].triangle;
+    match (0..data.lights.len()).find(|&i| !(rises(i) && is_held(data, i))) {
+        Some(i) => Err(Error::LightPath(i)),
+        None => Ok(()),
+    }
+}
+
+fn node_is_valid(data: &SceneData<'_>, index: usize, node: &LightNode8) -> bool {
+    let used = node.power.iter().take_while(|power| **power > 0.0).count();
+    let child_is_valid = |child: u32| match child & LIGHT_LEAF {
+        0 => child as usize > index && (child as usize) < data.light_nodes.len(),
+        _ => ((child & !LIGHT_LEAF) as usize) < data.lights.len(),
+    };
+    used > 0
+        && node.power[..used].iter().all(|power| *power <= 1.0)
+        && node.power[used..].iter().all(|power| *power == 0.0)
+        && node.child[..used].iter().all(|&child| child_is_valid(child))
+}
+
+/// Whether as many children are lights as there are lights, and as many groups as there are nodes below the root. Together
+/// with a path to every light: there is no other way into the tree than to a light by its path.
+fn has_one_place_each(data: &SceneData<'_>) -> bool {
+    let used = |node: &LightNode8| node.power.iter().filter(|power| **power > 0.0).count();
+    let lights =
+        |node: &LightNode8| node.child[..used(node)].iter().filter(|child| **child & LIGHT_LEAF != 0).count();
+    let all: usize = data.light_nodes.iter().map(used).sum();
+    let leaves: usize = data.light_nodes.iter().map(lights).sum();
+    leaves == data.lights.len() && all - leaves == data.light_nodes.len() - 1
+}
+
+/// Whether the path of light `index` leads to it through groups that hold it.
+fn is_held(data: &SceneData<'_>, index: usize) -> bool {
+    let light = &data.lights[index];
+    let mut at = 0;
+    for level in 0..MAX_LIGHT_DEPTH {
+        let (node, slot) = (&data.light_nodes[at], slot(light.path, level));
+        if !(node.power[slot] > 0.0 && group_holds(data, node, slot, light.triangle)) {
+            return false;
+        }
+        if node.child[slot] & LIGHT_LEAF != 0 {
+            return (node.child[slot] & !LIGHT_LEAF) as usize == index;
+        }
+        at = node.child[slot] as usize;
+    }
+    false
+}
+
+/// Whether the bounds of a group hold a triangle, up to rounding.
+fn group_holds(data: &SceneData<'_>, node: &LightNode8, slot: usize, triangle: u32) -> bool {
+    const SLACK: f32 = 1e-4;
+    let [a, b, c] = data.triangles[triangle as usize].corners;
+    let column = |rows: &[[f32; 8]; 3]| [0, 1, 2].map(|axis| rows[axis][slot]);
+    let (centre, axis, radius) = (column(&node.centre), column(&node.axis), node.radius[slot]);
+    let near = |corner: [f32; 3]| {
+        let away = vec3::sub(corner, centre);
+        vec3::dot(away, away) <= radius * radius * (1.0 + SLACK)
+    };
+    let normal = vec3::normalized(vec3::cross(vec3::sub(b, a), vec3::sub(c, a)));
+    let within = normal.is_some_and(|normal| vec3::dot(normal, axis) >= node.cosine[slot] - SLACK);
+    near(a) && near(b) && near(c) && within && node.cosine[slot] >= -1.0 && node.cosine[slot] <= 1.0
+}

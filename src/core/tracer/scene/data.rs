@@ -1,0 +1,88 @@
+//! What a scene is made of, unchecked, and what can be wrong with it.
+
+use super::hierarchy::{Leaf8, MAX_DEPTH, Node8};
+use super::light::Light;
+use super::light_tree::LightNode8;
+use super::surface::{Material, Surface, Texture, Triangle};
+
+/// The slices a scene is made of, unchecked.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct SceneData<'a> {
+    /// Hierarchy over `triangles`; node 0 is the root. Empty for an empty scene.
+    pub nodes: &'a [Node8],
+    /// The hierarchy's leaves.
+    pub leaves: &'a [Leaf8],
+    /// Triangles, those of a leaf side by side.
+    pub triangles: &'a [Triangle],
+    /// One for each triangle.
+    pub surfaces: &'a [Surface],
+    /// Materials.
+    pub materials: &'a [Material],
+    /// Textures.
+    pub textures: &'a [Texture],
+    /// Linear RGB texels of all textures.
+    pub texels: &'a [[f32; 3]],
+    /// Emitting triangles, as [`light::build`](super::light::build) makes them.
+    pub lights: &'a [Light],
+    /// Tree over the lights, as [`light_tree::build`](super::light_tree::build) makes it; node 0 is the root. Empty: lights are
+    /// picked by power alone.
+    pub light_nodes: &'a [LightNode8],
+}
+
+/// Why lent slices are not a scene.
+#[non_exhaustive]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Error {
+    /// `surfaces` and `triangles` differ in length.
+    SurfaceCount,
+    /// The node of this index has a child that does not exist or comes before it, a leaf with more than eight triangles or
+    /// some that do not exist, a box that is neither finite nor empty, or an empty one before another.
+    Node(usize),
+    /// The node of this index has a box that does not enclose what is below it.
+    Bounds(usize),
+    /// The leaf of this index has other corners than its triangles, or more of them.
+    Leaf(usize),
+    /// The hierarchy has more than [`MAX_DEPTH`] levels.
+    TooDeep,
+    /// The surface of this index names a material that does not exist.
+    Surface(usize),
+    /// The material of this index has a value out of range or names a texture that does not exist.
+    Material(usize),
+    /// The texture of this index is empty or reaches beyond the texels.
+    Texture(usize),
+    /// The light of this index names no triangle, or the probabilities do not rise to one.
+    Light(usize),
+    /// The light of this index is not where its path through the light tree leads, its group does not hold it, or
+    /// its triangle is not above that of the light before.
+    LightPath(usize),
+    /// The node of this index of the light tree has a child that does not exist or comes before it, or a power that
+    /// is not a number from 0 to 1.
+    LightNode(usize),
+    /// A node or a light has more than one place in the light tree, or none.
+    LightTree,
+}
+
+impl core::fmt::Display for Error {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Error::SurfaceCount => write!(f, "there must be one surface for each triangle"),
+            Error::Node(i) => {
+                write!(f, "node {i} refers to a child or a triangle that is not there, or a box is not a box")
+            }
+            Error::Bounds(i) => write!(f, "a box of node {i} does not enclose what is below it"),
+            Error::Leaf(i) => write!(f, "leaf {i} does not hold the triangles it stands for"),
+            Error::TooDeep => write!(f, "the hierarchy has more than {MAX_DEPTH} levels"),
+            Error::Surface(i) => write!(f, "surface {i} names a material that is not there"),
+            Error::Material(i) => write!(f, "material {i} has a value out of range or no such texture"),
+            Error::Texture(i) => write!(f, "texture {i} is empty or reaches beyond the texels"),
+            Error::LightPath(i) => write!(f, "the light tree does not lead to light {i} or does not hold it"),
+            Error::LightNode(i) => {
+                write!(f, "node {i} of the light tree has a bad power or a child that is not there")
+            }
+            Error::LightTree => write!(f, "every node and every light must have one place in the light tree"),
+            Error::Light(i) => write!(f, "light {i} has no triangle or its probability does not rise to one"),
+        }
+    }
+}
+
+impl core::error::Error for Error {}
