@@ -1,13 +1,10 @@
 //! Features of coarse frames, against what OpenCV finds in the same pictures.
 
-#[path = "../benches/measure/turned.rs"]
-mod turned;
-
+use measure::turned::{SIDE, TURNS, coded, motion};
 use pmcip::scene;
 use pmcip_core::predict::features::{self, Feature, Picture, Settings};
 use pmcip_core::predict::homography::{self, Block, Pair};
 use std::path::Path;
-use turned::{SIDE, TURNS, coded, motion};
 
 /// Features of a picture of `SIDE` × `SIDE`.
 fn found(values: &[f32]) -> Vec<Feature> {
@@ -20,7 +17,7 @@ fn found(values: &[f32]) -> Vec<Feature> {
 }
 
 /// OpenCV 5.0.0: `SIFT_create()`, brute-force matcher, ratio 0.8, correct within 3 pixels, on the same 8-bit pictures of
-/// `caustic`, as `cargo run --example features -- 16 FOLDER` writes them; by the turns of the camera.
+/// `caustic`, as `cargo run --release -p measure -- features 16 FOLDER` writes them; by the turns of the camera.
 const OPENCV: [usize; 3] = [11, 11, 6];
 
 #[test]

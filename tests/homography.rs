@@ -1,9 +1,6 @@
 //! Homographies among noise and outliers, against what OpenCV finds on the same points.
 
-#[path = "../benches/measure/pairs.rs"]
-mod pairs;
-
-use pairs::{PAIRS, Problem, Problems};
+use measure::pairs::{self, PAIRS, Problem, Problems};
 use pmcip_core::predict::homography::{self, Block, Error, Homography, Pair, Settings};
 
 /// Corner errors of all problems at a threshold.
@@ -19,7 +16,7 @@ fn errors(problems: &[Problem], threshold: f64) -> Vec<f64> {
 
 /// OpenCV 5.0.0 (`findHomography`, defaults but for method and threshold, one thread) on the same 200 problems:
 /// `USAC_MAGSAC` and `RANSAC`, mean corner error in pixels and area under the curve of corner errors up to 5 pixels.
-/// The points come from `cargo run --example homography -- 200 1 3 FILE`.
+/// The points come from `cargo run --release -p measure -- homography 200 1 3 FILE`.
 const OPENCV: [(f64, [(f64, f64); 2]); 2] =
     [(3.0, [(0.6472, 0.8706), (1.2649, 0.7507)]), (1.5, [(0.6485, 0.8703), (2.1000, 0.6078)])];
 

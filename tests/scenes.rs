@@ -1,14 +1,10 @@
 //! The generator of the statue and the room: sound meshes, the promised sizes, a cache that notices changes.
 
-#[path = "../scenes/generate/mod.rs"]
-#[allow(dead_code, reason = "the tests use some of it")]
-mod generate;
-
-use generate::mesh::Mesh;
-use generate::shapes::{ball, block, drum, lathe, tube};
-use generate::{Outcome, Scene, make, polygonise, room, statue};
 use glam::{IVec3, Vec3, vec3};
 use pmcip::scene::{LoadedScene, load};
+use scenes::mesh::Mesh;
+use scenes::shapes::{ball, block, drum, lathe, tube};
+use scenes::{Outcome, Scene, make, polygonise, room, statue};
 use std::collections::{BTreeMap, HashMap};
 
 /// Makes sure that every edge of a mesh is passed as often in one direction as in the other (vertices closer than

@@ -1,6 +1,6 @@
 //! Is the default sampler unbiased? Energy of adaptive sampling on integrands of known mean, cell by cell.
 //!
-//! `cargo run --release --example bias -- [STANDARD_ERROR_IN_PERCENT [SPP…]]` prints a Markdown table: bias of `balanced`
+//! `cargo run --release -p measure -- bias [STANDARD_ERROR_IN_PERCENT [SPP…]]` prints a Markdown table: bias of `balanced`
 //! (and so of `difference`, which has the same energy) and its standard error, with points that continue a sequence and
 //! with fresh ones, and of `pooled` for comparison. Runs are repeated until the standard error is as asked for. From each run
 //! of continued sequences that of a uniform render with the same seed is subtracted, whose points are nearly the scheduled
@@ -72,7 +72,7 @@ fn energies(function: Function, settings: Settings, schedule: Schedule, wanted: 
 }
 
 /// Biases of the wanted estimators in one run, with what is known to be chance subtracted.
-fn run(function: Function, sequence: Sequence, spp: u32, seed: u32) -> [f64; 2] {
+fn biases(function: Function, sequence: Sequence, spp: u32, seed: u32) -> [f64; 2] {
     let iterations = (spp / 2).clamp(1, 16);
     let pilot = spp / iterations;
     let fair = pilot + (spp - pilot) / 3;
@@ -96,7 +96,7 @@ fn measure(function: Function, sequence: Sequence, spp: u32, error: f64) -> [(f6
     let mut runs = 0;
     loop {
         let biases: Vec<[f64; 2]> =
-            (runs..runs + ROUND).into_par_iter().map(|seed| run(function, sequence, spp, seed)).collect();
+            (runs..runs + ROUND).into_par_iter().map(|seed| biases(function, sequence, spp, seed)).collect();
         runs += ROUND;
         for biases in biases {
             for (sums, bias) in sums.iter_mut().zip(biases) {
@@ -114,8 +114,9 @@ fn measure(function: Function, sequence: Sequence, spp: u32, error: f64) -> [(f6
     }
 }
 
-fn main() {
-    let mut arguments = std::env::args().skip(1);
+/// Prints the table.
+pub fn run(arguments: &[String]) {
+    let mut arguments = arguments.iter();
     let error = arguments.next().map_or(0.02, |a| a.parse().expect("a number"));
     let rest: Vec<u32> = arguments.map(|a| a.parse().expect("a whole number")).collect();
     let spps = if rest.is_empty() { vec![4, 8, 16, 64, 256] } else { rest };

@@ -1,28 +1,27 @@
 //! How many features of a coarse frame are found again in an earlier, finer frame, and how long it takes.
 //!
-//! `cargo run --release --example features -- [SPP [FOLDER]]` renders the scenes at 512×512 with SPP (64) samples a
+//! `cargo run --release -p measure -- features [SPP [FOLDER]]` renders the scenes at 512×512 with SPP (64) samples a
 //! pixel, and from the same place, turned, with 4; the true motion is then a homography. It prints the matches (ratio
 //! 0.8), those within 3 pixels of the truth, the mean error of the homography fitted to them at the corners of the
 //! picture's middle half, and the time of detection in both frames, matching and fitting on one thread. To FOLDER it
 //! writes the pictures that features were looked for in, 8-bit, median filtered, and the true homographies (coarse to
 //! fine), row by row, so that other detectors can be run on them.
 
-mod turned;
-
+use crate::turned::{SIDE, TURNS, coded, motion};
 use pmcip::scene::{self, View};
 use pmcip_core::predict::features::{self, Feature, Picture};
 use pmcip_core::predict::homography::{self, Block, Fit, Homography, Pair};
 use std::path::Path;
 use std::time::Instant;
-use turned::{SIDE, TURNS, coded, motion};
 
-fn main() -> std::io::Result<()> {
-    let spp = std::env::args().nth(1).map_or(64, |spp| spp.parse().expect("a number of samples"));
-    let folder = std::env::args().nth(2);
+/// Prints the table.
+pub fn run(arguments: &[String]) -> std::io::Result<()> {
+    let spp = arguments.first().map_or(64, |spp| spp.parse().expect("a number of samples"));
+    let folder = arguments.get(1);
     println!("| frame | features | matches | within 3 px | homography, corner error | ms |");
     println!("| --- | --- | --- | --- | --- | --- |");
     for name in ["cornell", "caustic"] {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("scenes/{name}.toml"));
+        let path = crate::scene_file(name);
         let scene = scene::load(&path).expect("a scene of this project loads");
         let fine = coded(&scene, scene.view, spp, 1);
         for (turn, at, up) in TURNS {

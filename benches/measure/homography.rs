@@ -1,18 +1,16 @@
 //! How well and how fast homographies are found among noise and outliers.
 //!
-//! `cargo run --release --example homography -- [PROBLEMS [SEED [THRESHOLD [FILE]]]]` prints the mean corner error,
+//! `cargo run --release -p measure -- homography [PROBLEMS [SEED [THRESHOLD [FILE]]]]` prints the mean corner error,
 //! the area under the corner-error curve up to 5 pixels and the time of a fit. To FILE it writes the problems, so that
 //! other estimators can be run on them: little-endian doubles, 9 of the true matrix and then x, y, x', y' of each
 //! of 200 pairs.
 
-mod pairs;
-
-use pairs::{PAIRS, Problem, Problems};
+use crate::pairs::{self, PAIRS, Problem, Problems};
 use pmcip_core::predict::homography::{self, Block, Settings};
 use std::time::Instant;
 
-fn main() -> std::io::Result<()> {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
+/// Prints the table.
+pub fn run(arguments: &[String]) -> std::io::Result<()> {
     let number = |i: usize, default: f64| {
         arguments.get(i).map_or(default, |a| a.parse().expect("problems, seed and threshold are numbers"))
     };

@@ -1,6 +1,6 @@
 //! Error and time of picking lights evenly, by power and by the light tree, with 1, 10 and 1000 lamps in a room.
 //!
-//! `cargo run --release --example lights [-- path|direct]`. Prints, for each number of lamps and each way, the mean
+//! `cargo run --release -p measure -- lights [path|direct]`. Prints, for each number of lamps and each way, the mean
 //! squared error against a reference of many samples, the seconds of a frame, and both relative to the tree at equal
 //! samples and at equal time. Lamps hang at random in random directions; their radiances span a factor of a hundred.
 
@@ -16,8 +16,9 @@ const SPP: u32 = 16;
 const REFERENCE_SPP: u32 = 1024;
 const RUNS: u32 = 5;
 
-fn main() {
-    let direct = std::env::args().any(|argument| argument == "direct");
+/// Prints the table.
+pub fn run(arguments: &[String]) {
+    let direct = arguments.iter().any(|argument| argument == "direct");
     println!("lamps  picked by   MSE        seconds  MSE ÷ tree's  at equal time");
     for lamps in [1, 10, 1000] {
         let tree = room(lamps);

@@ -1,7 +1,7 @@
 //! The sampler's own cost by the size of the picture: nanoseconds a pixel to begin and to resolve, beside a plain
 //! pass that reads and writes the same bytes, and nanoseconds a sample to hand out and accept. One thread.
 //!
-//! `cargo run --release --example overhead -- [RUNS [SPP]]` prints a Markdown table of medians; the sides of each
+//! `cargo run --release -p measure -- overhead [RUNS [SPP]]` prints a Markdown table of medians; the sides of each
 //! row alternate, so that a noisy machine hurts them alike.
 
 use pmcip_core::sampler::batch::{Batch8, Integrand, Rgb8};
@@ -31,8 +31,9 @@ struct Cost {
     plain: f64,
 }
 
-fn main() {
-    let mut arguments = std::env::args().skip(1).map(|a| a.parse::<usize>().expect("a whole number"));
+/// Prints the table.
+pub fn run(arguments: &[String]) {
+    let mut arguments = arguments.iter().map(|a| a.parse::<usize>().expect("a whole number"));
     let runs = arguments.next().unwrap_or(15).max(1);
     let spp = arguments.next().unwrap_or(2).max(1);
     println!(

@@ -13,7 +13,9 @@ pub const CORNERS: [[f64; 2]; 4] = [[0.0, 0.0], [SIDE, 0.0], [SIDE, SIDE], [0.0,
 
 /// One problem.
 pub struct Problem {
+    /// The homography.
     pub truth: Homography,
+    /// Its points, with noise and outliers.
     pub pairs: Vec<Pair>,
 }
 
@@ -21,6 +23,7 @@ pub struct Problem {
 pub struct Problems(Xoshiro256PlusPlus);
 
 impl Problems {
+    /// The same problems for the same seed.
     pub fn new(seed: u64) -> Self {
         Problems(Xoshiro256PlusPlus::seed_from_u64(seed))
     }

@@ -1,6 +1,6 @@
 //! How well is the start-up kernel of a frame predicted, and what does that cost?
 //!
-//! `cargo run --release --example prediction -- [SCENE [FIRST..LAST [SIDE [SPP]]]]` prints a Markdown table. The RMSE between
+//! `cargo run --release -p measure -- prediction [SCENE [FIRST..LAST [SIDE [SPP]]]]` prints a Markdown table. The RMSE between
 //! predicted and final α is divided by that between the final α of two seeds of the same frame. α is the kernel at
 //! equal counts: of what was predicted, and of what the finished frame has seen. For the preset `paper` it is the
 //! kernel of the last iteration, carried as it is.
@@ -13,7 +13,6 @@ use pmcip::settings::{Method, Settings, Startup};
 use pmcip_core::predict::Belief;
 use pmcip_core::sampler::Sampler;
 use pmcip_core::sampler::kernel::{Criterion, Kernel};
-use std::path::Path;
 
 /// A sequence of one seed.
 struct Run {
@@ -30,13 +29,13 @@ struct Shown {
     miss: f32,
 }
 
-fn main() {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
+/// Prints the table.
+pub fn run(arguments: &[String]) {
     let get = |i: usize, default: &str| arguments.get(i).map_or(default.to_owned(), Clone::clone);
     let number = |i, default| get(i, default).parse::<u32>().expect("a whole number");
     let (scene, side, spp) = (get(0, "cornell-anim"), number(2, "96"), number(3, "16"));
     let range: Range = get(1, "1..8").parse().expect("frames as 1..8");
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("scenes/{scene}.toml"));
+    let path = crate::scene_file(&scene);
     let mut animation = Animation::load(&path).expect("a scene of this project loads");
     let frames = animation.frames().map(|f| (f.first, f.last));
     let frames = range.within(frames).expect("frames of the scene");

@@ -1,6 +1,6 @@
 //! Rays a second of one thread: primary, shadow and diffuse-bounce rays, ours beside obvhs's own traversal.
 //!
-//! `cargo run --release --example rays -- SCENE [ROUNDS]` prints a Markdown table of Mrays/s, the median of the
+//! `cargo run --release -p measure -- rays SCENE [ROUNDS]` prints a Markdown table of Mrays/s, the median of the
 //! rounds (default 7), in which the traversals take turns. The rays are those a renderer makes: two million
 //! primary rays through blocks of 4×2 pixels, from each hit a shadow ray to the first light's rectangle and a
 //! cosine-distributed bounce. Generator and order are written down, so that a small program for another tracer
@@ -50,8 +50,9 @@ struct Workload {
     bounce: Vec<Rays8>,
 }
 
-fn main() {
-    let mut arguments = std::env::args().skip(1);
+/// Prints the table.
+pub fn run(arguments: &[String]) {
+    let mut arguments = arguments.iter();
     let path = arguments.next().expect("a scene");
     let rounds = arguments.next().map_or(7, |n| n.parse().expect("a number of rounds"));
     let loaded = scene::load(Path::new(&path)).expect("the scene loads");

@@ -1,26 +1,28 @@
 //! What the measuring programs share: many independent renders, and what they cost in error.
 
-#![allow(dead_code, reason = "each program uses some of it")]
-
 use pmcip::frame_io::Picture;
 use pmcip::metrics::{self, Metrics};
 use pmcip::render;
 use pmcip::scene::{self, LoadedScene};
 use pmcip::settings::{Method, Settings};
 use rayon::prelude::*;
-use std::path::Path;
 
 /// A scene of this project, at a side length of its square picture.
 pub struct Study {
+    /// The scene.
     pub scene: LoadedScene,
+    /// Its reference.
     pub reference: Picture,
     side: u32,
 }
 
 /// Means over runs.
 pub struct Outcome {
+    /// Mean squared luminance error over tvi.
     pub err: f64,
+    /// The same after a box of 8 × 8 pixels.
     pub err_lowpass: f64,
+    /// Mean squared relative error.
     pub rel_mse: f64,
     /// Mean of Σe/Σref and its standard error from the spread of the runs.
     pub bias: (f64, f64),
@@ -33,7 +35,7 @@ pub struct Outcome {
 impl Study {
     /// Loads `scenes/NAME.toml` and renders its reference, uniformly, with a seed no run uses.
     pub fn new(name: &str, side: u32, reference_spp: u32) -> Study {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("scenes/{name}.toml"));
+        let path = crate::scene_file(name);
         let scene = scene::load(&path).expect("a scene of this project loads");
         let mut settings = Settings::new(&scene, Method::Uniform, Some(reference_spp), Some((side, side)));
         settings.sampler.seed = u32::MAX;

@@ -1,15 +1,13 @@
 //! How the defaults were chosen: every setting varied by itself, on both scenes, as error of uniform sampling
 //! over that of the setting.
 //!
-//! `cargo run --release --example sweep -- [RUNS [SIDE [REFERENCE_SPP [SPP…]]]]` prints Markdown tables.
+//! `cargo run --release -p measure -- sweep [RUNS [SIDE [REFERENCE_SPP [SPP…]]]]` prints Markdown tables.
 
-mod study;
-
+use crate::study::Study;
 use pmcip::settings::{Method, Settings};
 use pmcip_core::sampler::Sequence;
 use pmcip_core::sampler::estimate::Estimator;
 use pmcip_core::sampler::kernel::{Criterion, Window};
-use study::Study;
 
 /// A change to the default settings, by name.
 type Variant = (String, Box<dyn Fn(&mut Settings)>);
@@ -52,8 +50,9 @@ fn variants(spp: u32) -> Vec<Variant> {
     all
 }
 
-fn main() {
-    let mut arguments = std::env::args().skip(1).map(|a| a.parse::<u32>().expect("a whole number"));
+/// Prints the table.
+pub fn run(arguments: &[String]) {
+    let mut arguments = arguments.iter().map(|a| a.parse::<u32>().expect("a whole number"));
     let runs = arguments.next().unwrap_or(16);
     let side = arguments.next().unwrap_or(128);
     let reference_spp = arguments.next().unwrap_or(8192);

@@ -1,20 +1,19 @@
 //! Is the Err that a frame stops by the true one? Estimates against references, and what stopping does to a frame.
 //!
-//! `cargo run --release --example target -- [RUNS [SIDE [REFERENCE_SPP]]]` prints Markdown tables.
+//! `cargo run --release -p measure -- target [RUNS [SIDE [REFERENCE_SPP]]]` prints Markdown tables.
 
-mod study;
-
+use crate::study::Study;
 use pmcip::settings::{Method, Settings};
 use pmcip::stop::Target;
-use study::Study;
 
 /// Samples a pixel at which estimates are compared.
 const SPP: [u32; 4] = [8, 16, 32, 64];
 /// Most samples a pixel of a frame that stops.
 const MOST: u32 = 512;
 
-fn main() {
-    let mut arguments = std::env::args().skip(1).map(|a| a.parse::<u32>().expect("a whole number"));
+/// Prints the table.
+pub fn run(arguments: &[String]) {
+    let mut arguments = arguments.iter().map(|a| a.parse::<u32>().expect("a whole number"));
     let runs = arguments.next().unwrap_or(32);
     let side = arguments.next().unwrap_or(64);
     let reference_spp = arguments.next().unwrap_or(8192);

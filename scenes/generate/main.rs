@@ -1,13 +1,10 @@
 //! Makes the scenes that are too large for the repository.
 //!
-//! `cargo run --release --example scenes -- [statue|room …] [-o DIR]`: all scenes without a name; `DIR` is `scenes`
+//! `cargo run --release -p scenes -- [statue|room …] [-o DIR]`: all scenes without a name; `DIR` is `scenes`
 //! without `-o`, and gets `cache/NAME/` with meshes and textures, and the scene files if they are not there.
 
-#[path = "mod.rs"]
-mod generate;
-
 use clap::Parser;
-use generate::{Outcome, Scene, make};
+use scenes::{Outcome, Scene, make};
 use std::path::PathBuf;
 use std::process::ExitCode;
 

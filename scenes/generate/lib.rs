@@ -36,7 +36,7 @@ pub enum Outcome {
 
 /// The sources that every scene depends on.
 const COMMON: &str = concat!(
-    include_str!("mod.rs"),
+    include_str!("lib.rs"),
     include_str!("mesh.rs"),
     include_str!("noise.rs"),
     include_str!("polygonise.rs"),
