@@ -50,6 +50,9 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+/// The crate whose packets cross the border: an embedder needs the same version.
+pub use wide;
+
 pub mod maths;
 pub mod predict;
 pub mod sampler;

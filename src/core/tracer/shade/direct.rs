@@ -14,11 +14,10 @@
 
 use super::hit::SurfacePoints;
 use super::light::are_few;
-use super::path::{
-    self, Frame, PathTracer, SETS, Traffic, Wavefront, aim, lights, scatter, scatter_specular,
-};
+use super::path::{self, PathTracer, Traffic, Wavefront};
 use super::queue::{Open, Packet, Paths};
 use super::rough::Rough;
+use super::vertex::{self, Frame, SETS, aim, lights, scatter, scatter_specular};
 use crate::maths::sobol;
 use crate::sampler::batch::{Batch8, Integrand, Rgb8};
 use crate::tracer::camera::Camera;
@@ -95,7 +94,7 @@ impl<'a> DirectLighting<'a> {
             scatter(&mut next, &frame, &bsdf, rough, point, || {
                 sobol::point(index, paths.key, SETS * depth).0
             });
-            path::reject_nan(&next, rough, radiance);
+            vertex::reject_nan(&next, rough, radiance);
             next.density *= share;
             next.origin = surface.leave(next.direction);
             let alive = rough & next.throughput.max_component().simd_gt(f32x8::ZERO);
@@ -155,7 +154,7 @@ impl<'a> Wavefront<'a> for DirectLighting<'a> {
             let mut next = *paths;
             let (choice, _) = sobol::point(paths.index, paths.key, SETS * depth);
             scatter_specular(&mut next, &surface, choice);
-            path::reject_nan(&next, specular, radiance);
+            vertex::reject_nan(&next, specular, radiance);
             let alive = specular & next.throughput.max_component().simd_gt(f32x8::ZERO);
             next.origin = surface.leave(next.direction);
             self.paths.queue.push(&next, alive.to_bitmask());

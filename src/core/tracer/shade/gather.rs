@@ -25,13 +25,12 @@
 
 use super::direct::arrive;
 use super::hit::SurfacePoints;
-use super::path::{
-    self, Frame, PathTracer, ROULETTE_DEPTH, SETS, Traffic, Wavefront, scatter_specular, survivors,
-};
+use super::path::{self, PathTracer, Traffic, Wavefront};
 use super::queue::{Packet, Paths};
 use super::rough::Rough;
 use super::shadow::accumulate;
 use super::shoot::survive;
+use super::vertex::{self, Frame, ROULETTE_DEPTH, SETS, scatter_specular, survivors};
 use crate::maths::sobol;
 use crate::maths::vec3::{self, Vec3x8};
 use crate::sampler::batch::{Batch8, Integrand, Rgb8};
@@ -254,7 +253,7 @@ impl<'a> Wavefront<'a> for Gather<'a> {
             next.density = (specular & gathering).select(f32x8::ZERO, next.density);
         }
         // First: the roulettes leave what is not a number where they end a path.
-        path::reject_nan(&next, rough | specular, radiance);
+        vertex::reject_nan(&next, rough | specular, radiance);
         rough &= !known | thin_out(&mut next, paths, rough & known, depth);
         let alive = survivors(&mut next, rough | specular, depth);
         next.origin = surface.leave(next.direction);

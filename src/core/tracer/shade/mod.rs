@@ -3,6 +3,7 @@
 //! * `hit` – what the surface is like where a ray meets it; `fetch` – how its records are fetched;
 //! * `light` – picking a light and a point on it;
 //! * `rough`, `specular` – the scattering functions;
+//! * `vertex` – what happens where a path meets a surface;
 //! * `queue`, `shadow` – packets of paths and of shadow rays, kept full;
 //! * [`path`] – the path tracer; [`direct`] – direct lighting alone;
 //! * [`shoot`], [`gather`] – photons from the lights, and the integrator that looks them up.
@@ -18,3 +19,4 @@ mod rough;
 mod shadow;
 pub mod shoot;
 mod specular;
+mod vertex;

@@ -14,9 +14,9 @@
 
 use super::hit::SurfacePoints;
 use super::light::Lights;
-use super::path::{Frame, SETS, scatter_specular};
 use super::queue::{Packet, Paths, Queue, SLACK};
 use super::rough::{self, Rough};
+use super::vertex::{Frame, SETS, scatter_specular};
 use crate::maths::sobol;
 use crate::maths::vec3::Vec3x8;
 use crate::tracer::photon::Photon;

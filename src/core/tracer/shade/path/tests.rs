@@ -1,6 +1,7 @@
 //! Which samples are rejected, and which paths simply end.
 
 use super::*;
+use crate::tracer::shade::vertex::ROULETTE_DEPTH;
 
 /// Eight samples' paths along z that carry one half, and their radiance.
 fn paths() -> (Paths, [Rgb8; 1]) {
