@@ -1,7 +1,7 @@
 //! Photon maps: shooting, building, asking, gathering. An element is a path, a photon, a query, or a sample.
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use pmcip::photons::{Order, Photons};
+use pmcip::frame::photons::{Order, Photons};
 use pmcip::scene::{self, LoadedScene};
 use pmcip_core::maths::sobol;
 use pmcip_core::sampler::batch::{Batch8, Integrand, Rgb8};

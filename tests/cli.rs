@@ -1,6 +1,6 @@
 //! The program from outside: files, numbers, exit codes, and one line for everything that can be wrong.
 
-use pmcip::frame_io::{Picture, read_exr, write_exr};
+use pmcip::picture::frame_io::{Picture, read_exr, write_exr};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;

@@ -1,6 +1,6 @@
 //! The comparison from outside: its files, its numbers, and when the reference is used again.
 
-use pmcip::frame_io::{Picture, read_exr, write_exr};
+use pmcip::picture::frame_io::{Picture, read_exr, write_exr};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;

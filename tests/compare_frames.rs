@@ -1,7 +1,7 @@
 //! `compare --frames` from outside: curves over frames, flicker, a reference for each frame.
 
-use pmcip::frame_io::{Picture, read_exr};
-use pmcip::metrics::{Errors, flicker, measure};
+use pmcip::picture::frame_io::{Picture, read_exr};
+use pmcip::picture::metrics::{Errors, flicker, measure};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;

@@ -4,7 +4,7 @@ use exr::prelude::{
     AnyChannel, AnyChannels, Blocks, Compression, Encoding, FlatSamples, Image, Layer, LayerAttributes,
     LineOrder, Vec2, WritableImage, f16,
 };
-use pmcip::frame_io::{Picture, read_exr, write_exr, write_png};
+use pmcip::picture::frame_io::{Picture, read_exr, write_exr, write_png};
 use std::fs;
 use std::path::Path;
 

@@ -1,6 +1,6 @@
 //! `render --frames` from outside: names, resuming, what is never overwritten, videos.
 
-use pmcip::frame_io::{read_exr, write_exr};
+use pmcip::picture::frame_io::{read_exr, write_exr};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;

@@ -6,10 +6,10 @@
 mod common;
 
 use common::{Owned, inward_box, mean_and_error, packets, render, render_with};
-use pmcip::metrics::luminance;
-use pmcip::photons::{Order, Photons};
+use pmcip::frame::photons::{Order, Photons};
+use pmcip::frame::settings::{self, Integrator, Method};
+use pmcip::picture::metrics::luminance;
 use pmcip::scene::{self, LoadedScene};
-use pmcip::settings::{self, Integrator, Method};
 use pmcip_core::sampler::{Schedule, Settings};
 use pmcip_core::tracer::camera::Camera;
 use pmcip_core::tracer::photon::{self, Irradiance, Leaf, Photon, Split, Tree};
@@ -234,7 +234,7 @@ fn blocks(scene: &LoadedScene, photons: Option<u32>, spp: u32, runs: u32) -> Vec
         if let Some(photons) = photons {
             settings.integrator = Integrator::Gather { photons, photon_seed: seed };
         }
-        let frame = pmcip::render::render(scene, &settings, Some(1), &|_| ()).unwrap();
+        let frame = pmcip::frame::render::render(scene, &settings, Some(1), &|_| ()).unwrap();
         assert_eq!(frame.tally.rejected, 0);
         let mut sums = vec![0.0; (SIDE * SIDE / 64) as usize];
         for (i, rgb) in frame.rgb.iter().enumerate() {
@@ -283,7 +283,7 @@ fn pictures_and_maps_do_not_depend_on_the_number_of_threads() {
     let frame = |threads, photon_seed| {
         let mut settings = settings::Settings::new(&scene, Method::Pmc, Some(4), Some((SIDE, SIDE)));
         settings.integrator = Integrator::Gather { photons: 9_999, photon_seed };
-        pmcip::render::render(&scene, &settings, Some(threads), &|_| ()).unwrap()
+        pmcip::frame::render::render(&scene, &settings, Some(threads), &|_| ()).unwrap()
     };
     let one = frame(1, 0);
     let shot = one.photons.unwrap();

@@ -11,10 +11,10 @@
 //! On failure the reference, the render, their difference and t go to the target directory as EXR files. To record anew,
 //! where the light itself was wrong: `PMCIP_RECORD=1 cargo test --release --test golden`.
 
-use pmcip::frame_io::{Picture, read_exr, write_exr};
-use pmcip::render::render;
+use pmcip::frame::render::render;
+use pmcip::frame::settings::{Integrator, Method, Settings};
+use pmcip::picture::frame_io::{Picture, read_exr, write_exr};
 use pmcip::scene::{LoadedScene, load};
-use pmcip::settings::{Integrator, Method, Settings};
 use rayon::prelude::*;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 use std::path::{Path, PathBuf};

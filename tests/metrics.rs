@@ -1,8 +1,8 @@
 //! Error measures against values worked out by hand and against plain twins.
 
 use pmcip::error::Error;
-use pmcip::frame_io::Picture;
-use pmcip::metrics::{luminance, measure, oracle_ratio};
+use pmcip::picture::frame_io::Picture;
+use pmcip::picture::metrics::{luminance, measure, oracle_ratio};
 use pmcip_core::maths::tvi::tvi;
 use wide::f32x8;
 

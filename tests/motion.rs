@@ -2,7 +2,7 @@
 
 mod scene_files;
 
-use pmcip::motion::{Motion, NO_OBJECT};
+use pmcip::animation::motion::{Motion, NO_OBJECT};
 use pmcip::scene::{Animation, LoadedScene, View};
 use scene_files::folder;
 

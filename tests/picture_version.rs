@@ -13,11 +13,11 @@
 //! Bits are those of x86-64 Linux: the loader's spheres and textures go through the system's sine and power. Elsewhere
 //! nothing is compared, and the test says so.
 
-use pmcip::predict::Predictor;
-use pmcip::render::{Frame, render, render_next};
+use pmcip::animation::startup::Predictor;
+use pmcip::frame::render::{Frame, render, render_next};
+use pmcip::frame::settings::{Integrator, Method, Settings, Startup};
+use pmcip::frame::version::PICTURE_VERSION;
 use pmcip::scene::load;
-use pmcip::settings::{Integrator, Method, Settings, Startup};
-use pmcip::version::PICTURE_VERSION;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};

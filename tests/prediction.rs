@@ -1,10 +1,10 @@
 //! Frames that start from what earlier ones have seen.
 
-use pmcip::motion::Motion;
-use pmcip::predict::Predictor;
-use pmcip::render::{self, Frame};
+use pmcip::animation::motion::Motion;
+use pmcip::animation::startup::Predictor;
+use pmcip::frame::render::{self, Frame};
+use pmcip::frame::settings::{Method, Settings, Startup};
 use pmcip::scene::{Animation, LoadedScene};
-use pmcip::settings::{Method, Settings, Startup};
 use pmcip_core::predict::{Belief, Prior, carry};
 use pmcip_core::sampler::{Memory, Sampler};
 use std::path::Path;

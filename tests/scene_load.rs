@@ -2,9 +2,9 @@
 
 mod scene_files;
 
-use pmcip::render;
+use pmcip::frame::render;
+use pmcip::frame::settings::{Method, Settings};
 use pmcip::scene::{LoadedScene, load, load_lit};
-use pmcip::settings::{Method, Settings};
 use pmcip_core::tracer::scene::{Scattering, Scene};
 use scene_files::{SQUARE, folder, load_files};
 use std::path::Path;

@@ -1,10 +1,10 @@
 //! Frames that end when they are good enough: by an estimate that is true, the same on any number of threads.
 
-use pmcip::metrics;
-use pmcip::render::{Frame, render};
+use pmcip::frame::render::{Frame, render};
+use pmcip::frame::schedule::Target;
+use pmcip::frame::settings::{Method, Settings};
+use pmcip::picture::metrics;
 use pmcip::scene::{self, LoadedScene};
-use pmcip::settings::{Method, Settings};
-use pmcip::stop::Target;
 use std::path::Path;
 
 const SIDE: u32 = 32;

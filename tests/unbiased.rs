@@ -9,11 +9,11 @@
 mod common;
 
 use common::mean_and_error;
-use pmcip::metrics::luminance;
-use pmcip::predict::Predictor;
-use pmcip::render::{render, render_while};
+use pmcip::animation::startup::Predictor;
+use pmcip::frame::render::{render, render_while};
+use pmcip::frame::settings::{Method, Settings};
+use pmcip::picture::metrics::luminance;
 use pmcip::scene::{self, LoadedScene};
-use pmcip::settings::{Method, Settings};
 use pmcip_core::sampler::Sampler;
 use pmcip_core::sampler::estimate::Estimator;
 use rayon::prelude::*;

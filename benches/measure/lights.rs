@@ -4,10 +4,10 @@
 //! squared error against a reference of many samples, the seconds of a frame, and both relative to the tree at equal
 //! samples and at equal time. Lamps hang at random in random directions; their radiances span a factor of a hundred.
 
-use pmcip::metrics;
-use pmcip::render;
+use pmcip::frame::render;
+use pmcip::frame::settings::{Integrator, Method, Settings};
+use pmcip::picture::metrics;
 use pmcip::scene::{self, LoadedScene};
-use pmcip::settings::{Integrator, Method, Settings};
 use pmcip_core::maths::sobol::hash;
 use std::fmt::Write;
 
@@ -45,7 +45,7 @@ pub fn run(arguments: &[String]) {
     }
 }
 
-fn frame(scene: &LoadedScene, direct: bool, spp: u32, seed: u32) -> (pmcip::frame_io::Picture, f64) {
+fn frame(scene: &LoadedScene, direct: bool, spp: u32, seed: u32) -> (pmcip::picture::frame_io::Picture, f64) {
     let mut settings = Settings::new(scene, Method::Uniform, Some(spp), Some(SIZE));
     settings.sampler.seed = seed;
     settings.max_depth = 3;

@@ -5,11 +5,11 @@
 //! equal counts: of what was predicted, and of what the finished frame has seen. For the preset `paper` it is the
 //! kernel of the last iteration, carried as it is.
 
-use pmcip::predict::Predictor;
-use pmcip::render;
+use pmcip::animation::sequence::Range;
+use pmcip::animation::startup::Predictor;
+use pmcip::frame::render;
+use pmcip::frame::settings::{Method, Settings, Startup};
 use pmcip::scene::{Animation, LoadedScene};
-use pmcip::sequence::Range;
-use pmcip::settings::{Method, Settings, Startup};
 use pmcip_core::predict::Belief;
 use pmcip_core::sampler::Sampler;
 use pmcip_core::sampler::kernel::{Criterion, Kernel};

@@ -1,10 +1,10 @@
 //! What the measuring programs share: many independent renders, and what they cost in error.
 
-use pmcip::frame_io::Picture;
-use pmcip::metrics::{self, Metrics};
-use pmcip::render;
+use pmcip::frame::render;
+use pmcip::frame::settings::{Method, Settings};
+use pmcip::picture::frame_io::Picture;
+use pmcip::picture::metrics::{self, Metrics};
 use pmcip::scene::{self, LoadedScene};
-use pmcip::settings::{Method, Settings};
 use rayon::prelude::*;
 
 /// A scene of this project, at a side length of its square picture.

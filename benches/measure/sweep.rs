@@ -4,7 +4,7 @@
 //! `cargo run --release -p measure -- sweep [RUNS [SIDE [REFERENCE_SPP [SPP…]]]]` prints Markdown tables.
 
 use crate::study::Study;
-use pmcip::settings::{Method, Settings};
+use pmcip::frame::settings::{Method, Settings};
 use pmcip_core::sampler::Sequence;
 use pmcip_core::sampler::estimate::Estimator;
 use pmcip_core::sampler::kernel::{Criterion, Window};

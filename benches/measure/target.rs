@@ -3,8 +3,8 @@
 //! `cargo run --release -p measure -- target [RUNS [SIDE [REFERENCE_SPP]]]` prints Markdown tables.
 
 use crate::study::Study;
-use pmcip::settings::{Method, Settings};
-use pmcip::stop::Target;
+use pmcip::frame::schedule::Target;
+use pmcip::frame::settings::{Method, Settings};
 
 /// Samples a pixel at which estimates are compared.
 const SPP: [u32; 4] = [8, 16, 32, 64];

@@ -1,8 +1,8 @@
 //! Frames of a scene from one place, turned: pictures between which the true motion is a homography.
 
-use pmcip::render;
+use pmcip::frame::render;
+use pmcip::frame::settings::{Method, Settings};
 use pmcip::scene::{LoadedScene, View};
-use pmcip::settings::{Method, Settings};
 use pmcip_core::predict::features::{self, Picture};
 use pmcip_core::predict::homography::{Homography, Pair};
 

@@ -9,19 +9,9 @@
 //! The program `pmcip` puts a command line before this and adds nothing to it. The formulas of sampling and
 //! shading are all in the core.
 
+pub mod animation;
 pub mod compare;
 pub mod error;
-pub mod frame_io;
-pub mod metrics;
-pub mod motion;
-pub mod output;
-pub mod photons;
-pub mod predict;
-pub mod probe;
-pub mod render;
+pub mod frame;
+pub mod picture;
 pub mod scene;
-pub mod sequence;
-pub mod settings;
-pub mod stop;
-pub mod version;
-pub mod video;

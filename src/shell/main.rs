@@ -1,13 +1,9 @@
 //! The program `pmcip`: see `pmcip --help`.
 
-mod animate;
-mod cli;
-mod commands;
-mod processor;
-mod progress;
-mod report;
+mod command;
 
 use clap::Parser;
+use command::{arguments, processor};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
@@ -15,11 +11,11 @@ fn main() -> ExitCode {
         eprintln!("error: {missing}");
         return ExitCode::from(1);
     }
-    let arguments = match cli::Arguments::try_parse() {
+    let arguments = match arguments::Arguments::try_parse() {
         Ok(arguments) => arguments,
-        Err(refusal) => return cli::refuse(&refusal),
+        Err(refusal) => return arguments::refuse(&refusal),
     };
-    match commands::run(arguments.command) {
+    match command::run(arguments.command) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
             eprintln!("error: {}", failure.message);

@@ -37,12 +37,12 @@ pub use stage::{Moving, Shot, Stage, Still};
 pub use stats::Measures;
 pub use variant::Variant;
 
+use crate::animation::startup::Predictor;
 use crate::error::Error;
-use crate::frame_io::Picture;
-use crate::metrics::{self, Errors};
-use crate::predict::Predictor;
-use crate::render::{self, Frame};
-use crate::settings::{Method, Settings, word};
+use crate::frame::render::{self, Frame};
+use crate::frame::settings::{Method, Settings, word};
+use crate::picture::frame_io::Picture;
+use crate::picture::metrics::{self, Errors};
 use serde::Serialize;
 use spread::Spread;
 use stats::{mean, median};

@@ -4,8 +4,8 @@
 
 use super::colour::{Scale, quantile};
 use super::{Comparison, Shown};
-use crate::frame_io::{Picture, encode_srgb};
-use crate::metrics::{acuity, luminance};
+use crate::picture::frame_io::{Picture, encode_srgb};
+use crate::picture::metrics::{acuity, luminance};
 use std::ops::Range;
 
 /// Blocks that are enlarged at most.

@@ -6,7 +6,7 @@ use super::ratio::Ratios;
 use super::reference::Reference;
 use super::{Comparison, FrameRow, Plan, Row, page, table};
 use crate::error::Error;
-use crate::output;
+use crate::picture::output;
 use crate::scene::LoadedScene;
 use serde::Serialize;
 use serde_json::{Map, Value};

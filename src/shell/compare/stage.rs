@@ -3,9 +3,9 @@
 use super::reference::{self, Noise};
 use super::spread::Spread;
 use crate::error::Error;
-use crate::frame_io::{self, Picture};
+use crate::frame::settings::Settings;
+use crate::picture::frame_io::{self, Picture};
 use crate::scene::{Animation, LoadedScene};
-use crate::settings::Settings;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 

@@ -1,6 +1,6 @@
 //! Means and spreads over runs, and curves between measured points.
 
-use crate::metrics::Metrics;
+use crate::picture::metrics::Metrics;
 use serde::Serialize;
 
 /// The errors that methods are compared by, as [`Metrics`] defines them.

@@ -1,7 +1,7 @@
 //! Methods by name: a sampler, and what is changed about it.
 
+use crate::frame::settings::{Estimate, Method, Settings, Startup};
 use crate::scene::LoadedScene;
-use crate::settings::{Estimate, Method, Settings, Startup};
 use clap::ValueEnum;
 use std::fmt::{self, Display, Formatter};
 use std::str::FromStr;

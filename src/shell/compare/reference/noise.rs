@@ -5,8 +5,8 @@
 //! they are better than that.
 
 use super::super::spread::Spread;
-use crate::frame_io::Picture;
-use crate::metrics::{self, luminance};
+use crate::picture::frame_io::Picture;
+use crate::picture::metrics::{self, luminance};
 use serde::Serialize;
 use std::collections::BTreeMap;
 

@@ -7,11 +7,11 @@
 use super::super::spread::Spread;
 use super::noise::{self, Noise, Source};
 use crate::error::Error;
-use crate::frame_io::Picture;
-use crate::metrics::luminance;
-use crate::render::{self, Frame};
+use crate::frame::render::{self, Frame};
+use crate::frame::settings::Settings;
+use crate::picture::frame_io::Picture;
+use crate::picture::metrics::luminance;
 use crate::scene::LoadedScene;
-use crate::settings::Settings;
 
 /// Parts, at most: seven degrees of freedom make an interval a fifth wider than a known error would.
 pub const PARTS: u32 = 8;
@@ -132,8 +132,8 @@ impl Sum {
 mod tests {
     use super::super::super::stats;
     use super::*;
+    use crate::frame::settings::Method;
     use crate::scene;
-    use crate::settings::Method;
     use statrs::distribution::{ContinuousCDF, FisherSnedecor};
     use std::path::Path;
 

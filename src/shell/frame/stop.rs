@@ -10,7 +10,7 @@
 //! Two halves of a stratified set know nothing of each other, yet together they do better than chance: the estimate
 //! is divided by [`STRATIFIED`], found by measurement.
 //!
-//! [`Growth`] is the schedule of such a frame: iterations that grow with what has been spent, so that a frame ends at
+//! [`Growth`](crate::frame::schedule::Growth) is the schedule of such a frame: iterations that grow with what has been spent, so that a frame ends at
 //! most an eighth later than it could, or as large as those of a frame of the length that the frame before needed.
 //!
 //! # Calibration
@@ -32,69 +32,16 @@
 //! estimate knows of: before eight samples a pixel nothing is stopped.
 
 use crate::error::Error;
-use crate::metrics::{acuity, box_mean, luminance};
-use crate::render::zeros;
+use crate::frame::memory::zeros;
+use crate::picture::metrics::{acuity, box_mean, luminance};
 use pmcip_core::sampler::Sampler;
-use pmcip_core::sampler::allocate::MAX_SAMPLES;
 use pmcip_core::sampler::estimate::{Estimator, Lanes};
 
 /// How many times the variance of two halves overstates that of both together.
 pub const STRATIFIED: f64 = 1.1;
 
-/// Samples a pixel before which no frame ends.
-pub const LEAST_SPP: u64 = 8;
-
 /// Half the side of the box whose mean luminance noise is judged by: 5×5 pixels.
 const RADIUS: usize = 2;
-
-/// Samples a pixel of the first iteration, and of the others at least.
-pub const PILOT_SPP: u32 = 2;
-
-/// When a frame may end before its samples are spent.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Target {
-    /// Estimated Err below which it ends, above 0.
-    pub err: f32,
-    /// Samples a pixel that the frame will presumably take: what the one before took.
-    pub expected_spp: Option<u32>,
-}
-
-/// Samples of the iterations of a frame that may end early: whole samples a pixel.
-///
-/// ```
-/// use pmcip::stop::Growth;
-///
-/// let early = [2; 12].into_iter().chain([3, 3, 3, 4, 4, 5, 5, 6, 7, 8, 9, 10, 9]);
-/// assert!(Growth::new(10, 100, None).map(|n| n / 10).eq(early));
-/// assert!(Growth::new(10, 100, Some(80)).take(17).map(|n| n / 10).eq([5; 16].into_iter().chain([10])));
-/// ```
-#[derive(Clone, Debug)]
-pub struct Growth {
-    pixels: u64,
-    most: u32,
-    expected: u32,
-    spent: u32,
-}
-
-impl Growth {
-    /// At most `most` samples a pixel, presumably `expected`.
-    pub fn new(pixels: u64, most: u32, expected: Option<u32>) -> Growth {
-        Growth { pixels, most, expected: expected.unwrap_or(0).min(most), spent: 0 }
-    }
-}
-
-impl Iterator for Growth {
-    type Item = u64;
-
-    fn next(&mut self) -> Option<u64> {
-        let part = if self.spent < self.expected { self.expected / 16 } else { self.spent / 8 };
-        let limit = (MAX_SAMPLES / self.pixels.max(1)).max(1);
-        let spp =
-            part.max(PILOT_SPP).min(self.most - self.spent).min(u32::try_from(limit).unwrap_or(u32::MAX));
-        self.spent += spp;
-        (spp > 0).then(|| self.pixels * u64::from(spp))
-    }
-}
 
 /// The film as it was after an iteration.
 #[derive(Clone, Debug, Default)]

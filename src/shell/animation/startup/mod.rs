@@ -1,9 +1,9 @@
 //! Frames that learn from the ones before: what the core's [`predict`](pmcip_core::predict) needs from frame to frame.
 //!
-//! A [`Predictor`] goes along with a sequence of frames, as [`render::render_next`](crate::render::render_next) makes
+//! A [`Predictor`] goes along with a sequence of frames, as [`render::render_next`](crate::frame::render::render_next) makes
 //! them. Before a frame it carries what earlier ones have seen to where that is now; after the first iteration, of one
 //! sample a pixel, this stands in for what the frame does not know yet; at the end it learns what the frame has seen.
-//! Where things are now is known by [`motion`](crate::motion), or found in the pictures alone: [`Startup`]. The coarse
+//! Where things are now is known by [`motion`](crate::animation::motion), or found in the pictures alone: [`Startup`]. The coarse
 //! picture that is searched is that first iteration: it counts, and costs nothing.
 //!
 //! A frame starts uniformly, as if it were the first, if less than half of its pixels have been seen before (a cut), or
@@ -13,11 +13,12 @@
 //!
 //! Memory: about 150 bytes a pixel.
 
+use crate::animation::motion::{Motion, Sight};
 use crate::error::Error;
-use crate::motion::{Motion, Sight};
-use crate::render::zeros;
+use crate::frame::memory::{work, zeros};
+use crate::frame::render::Learner;
+use crate::frame::settings::{Method, Settings, Startup};
 use crate::scene::{LoadedScene, Pose};
-use crate::settings::{Method, Settings, Startup};
 use pmcip_core::predict::{Belief, Filter, Outlook, Prior, carry};
 use pmcip_core::sampler::Sampler;
 use std::time::Instant;
@@ -83,11 +84,6 @@ impl Predictor {
         *self = Predictor::default();
     }
 
-    /// Whether the frame begun starts from a prediction.
-    pub fn predicts(&self) -> bool {
-        self.next.as_ref().is_some_and(|next| next.trusted)
-    }
-
     /// What was predicted for the last frame, used or not; none for a first frame.
     pub fn prediction(&self) -> Option<&Prediction> {
         let prediction = self.last.as_ref().map(|last| &last.prediction);
@@ -109,11 +105,24 @@ impl Predictor {
         self.seconds
     }
 
-    /// Begins a frame.
-    ///
-    /// # Errors
-    /// [`Error::Setting`] if the core refuses scene or camera, [`Error::Work`] if memory is lacking.
-    pub fn begin(&mut self, scene: &LoadedScene, settings: &Settings) -> Result<(), Error> {
+    /// Looks at where things are, if that is how the frame is predicted.
+    fn look(&self, scene: &LoadedScene, settings: &Settings) -> Result<View, Error> {
+        if settings.startup == Startup::Homography {
+            return Ok(View::Pictures);
+        }
+        let pose = scene.pose(settings.view);
+        let before = match self.last.as_ref().map(|last| &last.view) {
+            Some(View::Motion { pose, .. }) => pose,
+            _ => &pose,
+        };
+        let core = &settings.sampler;
+        let motion = Motion::new(scene, &settings.view, before, core.width, core.height)?;
+        Ok(View::Motion { pose, motion })
+    }
+}
+
+impl Learner for Predictor {
+    fn begin(&mut self, scene: &LoadedScene, settings: &Settings) -> Result<(), Error> {
         let start = Instant::now();
         self.next = None;
         self.seconds = 0.0;
@@ -143,26 +152,21 @@ impl Predictor {
         Ok(())
     }
 
-    /// Looks at where things are, if that is how the frame is predicted.
-    fn look(&self, scene: &LoadedScene, settings: &Settings) -> Result<View, Error> {
-        if settings.startup == Startup::Homography {
-            return Ok(View::Pictures);
-        }
-        let pose = scene.pose(settings.view);
-        let before = match self.last.as_ref().map(|last| &last.view) {
-            Some(View::Motion { pose, .. }) => pose,
-            _ => &pose,
-        };
-        let core = &settings.sampler;
-        let motion = Motion::new(scene, &settings.view, before, core.width, core.height)?;
-        Ok(View::Motion { pose, motion })
+    fn predicts(&self) -> bool {
+        self.next.as_ref().is_some_and(|next| next.trusted)
     }
 
-    /// Is shown the frame begun after an iteration.
-    ///
-    /// # Errors
-    /// [`Error::Work`] if memory is lacking or the film has another size.
-    pub fn see(&mut self, film: &Sampler<'_>, settings: &Settings) -> Result<(), Error> {
+    fn prior(&self, iterations: u32) -> Prior<'_> {
+        match &self.next {
+            Some(next) if next.trusted && next.prediction.alpha.is_empty() => {
+                Prior::Beliefs(&next.prediction.beliefs)
+            }
+            Some(next) if next.trusted && iterations == 1 => Prior::Alpha(&next.prediction.alpha),
+            _ => Prior::Beliefs(&[]),
+        }
+    }
+
+    fn see(&mut self, film: &Sampler<'_>, settings: &Settings) -> Result<(), Error> {
         let start = Instant::now();
         if let (Some(next), Some(last), 1) = (&mut self.next, &self.last, film.iterations())
             && matches!(next.view, View::Pictures)
@@ -175,22 +179,7 @@ impl Predictor {
         Ok(())
     }
 
-    /// What the next iteration of the frame begun starts from, after so many iterations.
-    pub fn prior(&self, iterations: u32) -> Prior<'_> {
-        match &self.next {
-            Some(next) if next.trusted && next.prediction.alpha.is_empty() => {
-                Prior::Beliefs(&next.prediction.beliefs)
-            }
-            Some(next) if next.trusted && iterations == 1 => Prior::Alpha(&next.prediction.alpha),
-            _ => Prior::Beliefs(&[]),
-        }
-    }
-
-    /// Learns from the frame begun, which has been rendered.
-    ///
-    /// # Errors
-    /// [`Error::Work`] if memory is lacking or the film has another size.
-    pub fn end(&mut self, film: &Sampler<'_>) -> Result<(), Error> {
+    fn end(&mut self, film: &Sampler<'_>) -> Result<(), Error> {
         let start = Instant::now();
         let Some(Next { view, prediction, trusted }) = self.next.take() else { return Ok(()) };
         let core = film.settings();
@@ -246,9 +235,4 @@ fn positions(now: &Motion, before: &Motion) -> Vec<[f32; 2]> {
     let position =
         |(i, sight): (usize, &Sight)| now.source(i, before).and(sight.before).unwrap_or([f32::NAN; 2]);
     now.sights.iter().enumerate().map(position).collect()
-}
-
-/// Blames the work: the core was handed planes that do not fit together.
-fn work(error: impl std::error::Error) -> Error {
-    Error::Work(error.to_string())
 }

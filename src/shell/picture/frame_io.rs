@@ -6,7 +6,7 @@
 //! prefix, such as `ViewLayer.Combined.R`, count if there is no plain one.
 
 use crate::error::Error;
-use crate::output;
+use crate::picture::output;
 use exr::prelude::{
     AnyChannel, AnyChannels, AttributeValue, Encoding, FlatSamples, Image, Layer, LayerAttributes,
     ReadChannels, ReadLayers, Text, WritableImage,

@@ -1,18 +1,20 @@
 //! The command `render --frames`: frame after frame, kept, resumed, and made into a video.
 
-use crate::cli::Render;
-use crate::commands::{Failure, bad, blame, failed, load, look, output_name, render_settings, say};
-use crate::{progress, report};
+use super::arguments::Render;
+use super::common::{Failure, bad, blame, failed, load, look, say};
+use super::print::Rendered;
+use super::progress;
+use super::render::{output_name, render_settings};
 use indicatif::ProgressBar;
+use pmcip::animation::sequence::{self, Range, State};
+use pmcip::animation::startup::Predictor;
+use pmcip::animation::video::{self, Video};
 use pmcip::compare::reference::fingerprint;
-use pmcip::frame_io;
-use pmcip::output;
-use pmcip::predict::Predictor;
-use pmcip::render;
+use pmcip::frame::render;
+use pmcip::frame::settings::Settings;
+use pmcip::picture::frame_io;
+use pmcip::picture::output;
 use pmcip::scene::{Animation, LoadedScene};
-use pmcip::sequence::{self, Range, State};
-use pmcip::settings::Settings;
-use pmcip::video::{self, Video};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
@@ -28,7 +30,7 @@ struct Line<'a> {
     rebuild_seconds: Option<f64>,
     files: &'a [PathBuf; 2],
     #[serde(flatten)]
-    rendered: Option<report::Rendered<'a>>,
+    rendered: Option<Rendered<'a>>,
 }
 
 /// Times of the frames rendered.
@@ -179,7 +181,7 @@ impl Sequence<'_> {
         // The PNG first: where the EXR is, all of the frame is.
         frame_io::write_png(&files[1], &picture, self.arguments.exposure).map_err(failed)?;
         frame_io::write_exr(&files[0], &picture).map_err(failed)?;
-        let rendered = Some(report::Rendered::new(scene, &settings, &done, &files));
+        let rendered = Some(Rendered::new(scene, &settings, &done, &files));
         self.print(&Line { frame, kept: false, rebuild_seconds, files: &files, rendered });
         self.spent_spp = done.estimated_err.map(|_| done.spp() as u32);
         self.total.rendered += 1;

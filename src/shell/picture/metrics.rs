@@ -12,7 +12,7 @@
 //! - **Flicker**, of two frames of an animation: mean of (e_t − e_{t−1})²/tvi(L).
 //!
 //! ```
-//! use pmcip::{frame_io::Picture, metrics::measure};
+//! use pmcip::picture::{frame_io::Picture, metrics::measure};
 //!
 //! let grey = |value| Picture { width: 1, height: 1, rgb: vec![[value; 3]], ..Picture::default() };
 //! let metrics = measure(&grey(1.1), &grey(1.0), 100.0)?;
@@ -24,7 +24,7 @@
 //! `pooled`, too small for estimators that spread energy over a neighbourhood; many runs tell more than one.
 
 use crate::error::Error;
-use crate::frame_io::Picture;
+use crate::picture::frame_io::Picture;
 use pmcip_core::maths::tvi::tvi;
 use wide::f32x8;
 

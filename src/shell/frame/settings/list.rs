@@ -3,9 +3,10 @@
 //! A frame is made anew from these names and values, and a frame on disk is taken for another one by them: hence every
 //! field of every struct is named here, without `..`, so that a new one does not compile until it has its place.
 
-use super::{Integrator, Settings};
+use super::all::Settings;
+use super::choices::Integrator;
+use crate::frame::schedule::Target;
 use crate::scene::View;
-use crate::stop::Target;
 use pmcip_core::sampler;
 use serde_json::{Map, Value, json};
 use std::fmt;
@@ -111,7 +112,7 @@ fn short(x: f32) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Method, Startup};
+    use super::super::choices::{Method, Startup};
     use super::*;
     use pmcip_core::sampler::estimate::Estimator;
     use pmcip_core::sampler::kernel::{Criterion, Window};

@@ -4,8 +4,8 @@
 //! order of the parts, so the maps have the same bits for any number of threads. Memory: about 400
 //! bytes a photon path while they are shot, a third of that afterwards.
 
+use super::memory::lock;
 use crate::error::Error;
-use crate::render::lock;
 use pmcip_core::tracer::photon::{self, Irradiance, Leaf, Photon, STRIDE, Site, Split, Tree};
 use pmcip_core::tracer::scene::Scene;
 use pmcip_core::tracer::shade::gather::Maps;

@@ -2,9 +2,9 @@
 
 use clap::error::ErrorKind;
 use clap::{Args, Parser, Subcommand};
+use pmcip::animation::sequence;
 use pmcip::compare::Variant;
-use pmcip::sequence;
-use pmcip::settings::{
+use pmcip::frame::settings::{
     DEFAULT_LIGHT_SAMPLES, DEFAULT_PHOTONS, Estimate, Integrator, MAX_DEPTH, MAX_LIGHT_SAMPLES, MAX_PHOTONS,
     Method, Startup,
 };

@@ -1,9 +1,9 @@
 //! A look before the render: does the camera stand where a picture can be made?
 
 use crate::error::Error;
-use crate::render;
+use crate::frame::render;
+use crate::frame::settings::{Integrator, Method, Settings};
 use crate::scene::LoadedScene;
-use crate::settings::{Integrator, Method, Settings};
 use glam::Vec3;
 use pmcip_core::maths::vec3::Vec3x8;
 use pmcip_core::tracer::camera::Camera;

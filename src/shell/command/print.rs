@@ -1,10 +1,10 @@
 //! What the commands print: the same facts as words and as JSON.
 
-use pmcip::metrics::{Metrics, luminance};
-use pmcip::photons::Shot;
-use pmcip::render::Frame;
+use pmcip::frame::photons::Shot;
+use pmcip::frame::render::Frame;
+use pmcip::frame::settings::{Settings, word};
+use pmcip::picture::metrics::{Metrics, luminance};
 use pmcip::scene::LoadedScene;
-use pmcip::settings::{Settings, word};
 use serde::{Serialize, Serializer};
 use std::fmt::{self, Display, Formatter};
 use std::path::PathBuf;

@@ -38,7 +38,7 @@ pub fn html(report: &Report, comparison: &Comparison, cd_per_unit: f64) -> Resul
     Ok(format!(
         "<!DOCTYPE html>\n<html lang='en'>\n<head>\n<meta charset='utf-8'>\n<title>{title}</title>\n\
          <style>\n{}</style>\n</head>\n<body>\n<h1>{title}</h1>\n{}{}{}{}{}{}{}</body>\n</html>\n",
-        include_str!("page/style.css"),
+        include_str!("style.css"),
         facts(report),
         plots(report)?,
         curves(report)?,

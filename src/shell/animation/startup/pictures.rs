@@ -1,9 +1,9 @@
 //! Finds out from two pictures where what is seen was a frame ago.
 
-use super::work;
 use crate::error::Error;
-use crate::metrics::luminance;
-use crate::render::zeros;
+use crate::frame::memory::work;
+use crate::frame::memory::zeros;
+use crate::picture::metrics::luminance;
 use pmcip_core::predict::features::{self, Feature, MIN_SIDE, Picture};
 use pmcip_core::predict::homography::{self, Block, Pair};
 use pmcip_core::predict::tracks::{self, Tracks};

@@ -77,7 +77,7 @@ impl Video {
             return Err(Error::Work(format!("ffmpeg made no video: {}", last.trim())));
         }
         std::fs::rename(&part, &self.file)
-            .map_err(|reason| Error::write(&self.file, crate::output::plain(&reason)))
+            .map_err(|reason| Error::write(&self.file, crate::picture::output::plain(&reason)))
     }
 }
 

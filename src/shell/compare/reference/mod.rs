@@ -10,13 +10,13 @@ pub mod parts;
 pub use noise::{Noise, Source};
 
 use super::spread::Spread;
+use crate::animation::sequence;
 use crate::error::Error;
-use crate::frame_io::{self, Picture};
-use crate::metrics;
+use crate::frame::settings::{Method, Settings};
+use crate::frame::version::PICTURE_VERSION;
+use crate::picture::frame_io::{self, Picture};
+use crate::picture::metrics;
 use crate::scene::LoadedScene;
-use crate::sequence;
-use crate::settings::{Method, Settings};
-use crate::version::PICTURE_VERSION;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 

@@ -6,7 +6,7 @@
 //! unasked.
 
 use crate::error::Error;
-use crate::frame_io;
+use crate::picture::frame_io;
 use std::collections::BTreeMap;
 use std::fmt::{self, Display, Formatter};
 use std::path::{Path, PathBuf};
@@ -18,7 +18,7 @@ const OUTCOMES: [&str; 3] = ["estimated_err", "spent_spp", "expected_spp"];
 /// Numbers of frames, both ends included; an open end is that of the scene.
 ///
 /// ```
-/// use pmcip::sequence::Range;
+/// use pmcip::animation::sequence::Range;
 ///
 /// let range: Range = "3..".parse()?;
 /// assert_eq!(range.within(Some((1, 100))), Ok(3..=100));

@@ -1,0 +1,30 @@
+//! The program's own: arguments, one file a command, what they print.
+
+pub mod arguments;
+mod common;
+mod compare;
+mod error;
+mod frames;
+mod info;
+mod print;
+pub mod processor;
+mod progress;
+mod reference;
+mod render;
+
+use arguments::Command;
+use common::Failure;
+
+/// Runs a command.
+pub fn run(command: Command) -> Result<(), Failure> {
+    match command {
+        Command::Render(arguments) => match arguments.frames {
+            Some(range) => frames::render_frames(&arguments, range),
+            None => render::render_frame(&arguments),
+        },
+        Command::Reference(arguments) => reference::render_reference(&arguments),
+        Command::Compare(arguments) => compare::compare_methods(&arguments),
+        Command::Error(arguments) => error::measure(&arguments),
+        Command::Info(arguments) => info::info(&arguments),
+    }
+}

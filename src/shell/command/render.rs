@@ -1,0 +1,41 @@
+//! The command `render`: one frame.
+
+use super::arguments::Render;
+use super::common::{Failure, bad, failed, load, print, settings, work};
+use super::print::Rendered;
+use pmcip::frame::schedule::Target;
+use pmcip::frame::settings::Settings;
+use pmcip::picture::{frame_io, output};
+use pmcip::scene::LoadedScene;
+use std::path::PathBuf;
+
+pub fn render_frame(arguments: &Render) -> Result<(), Failure> {
+    let scene = load(&arguments.common)?.into_scene();
+    let exr = output_name(arguments, &scene);
+    let png = exr.with_extension("png");
+    [&exr, &png].into_iter().try_for_each(|path| output::check(path)).map_err(bad)?;
+    let settings = render_settings(&scene, arguments)?;
+    let frame = work(&scene, &settings, &arguments.common)?;
+    let picture = frame.picture(&settings, &scene);
+    frame_io::write_exr(&exr, &picture).map_err(failed)?;
+    frame_io::write_png(&png, &picture, arguments.exposure).map_err(failed)?;
+    let files = [exr, png];
+    let report = Rendered::new(&scene, &settings, &frame, &files);
+    print(&arguments.common, arguments.json, &report);
+    Ok(())
+}
+
+/// The file that is asked for, or one named after the scene.
+pub fn output_name(arguments: &Render, scene: &LoadedScene) -> PathBuf {
+    arguments.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.exr", scene.name)))
+}
+
+/// The settings of `render`.
+pub fn render_settings(scene: &LoadedScene, arguments: &Render) -> Result<Settings, Failure> {
+    let mut settings = settings(scene, &arguments.common, arguments.sampler, arguments.spp)?;
+    settings.iterations = arguments.iterations.unwrap_or(settings.iterations);
+    settings.sampler.gamma = arguments.gamma.unwrap_or(settings.sampler.gamma);
+    settings.set_estimator(arguments.estimator.map_or(settings.sampler.estimator, Into::into));
+    settings.target = arguments.target_err.map(|err| Target { err, expected_spp: None });
+    Ok(settings)
+}

@@ -1,0 +1,16 @@
+//! One frame: settings in, picture out.
+//!
+//! * [`settings`] – all that its bits depend on besides the scene; [`schedule`] – samples of its iterations;
+//! * [`render`] – the core's loop on all [threads](mod@threads), with [photon maps](photons) where they are asked for;
+//! * [`stop`] – when a frame is good enough; [`probe`] – whether the camera sees any light;
+//! * [`version`] – the number of the pictures that this program makes.
+
+pub mod memory;
+pub mod photons;
+pub mod probe;
+pub mod render;
+pub mod schedule;
+pub mod settings;
+pub mod stop;
+pub mod threads;
+pub mod version;

@@ -1,0 +1,157 @@
+//! Threads, each with what it needs to trace paths.
+
+use super::memory::{lock, setting};
+use super::settings::{Integrator, Settings};
+use crate::error::Error;
+use crate::scene::LoadedScene;
+use pmcip_core::sampler::batch::{Batch8, Integrand, Rgb8};
+use pmcip_core::sampler::{Jobs, Workspace};
+use pmcip_core::tracer::camera::Camera;
+use pmcip_core::tracer::scene::Scene;
+use pmcip_core::tracer::shade::direct::{DirectLighting, Samples};
+use pmcip_core::tracer::shade::gather::{Gather, Maps};
+use pmcip_core::tracer::shade::path::{Packet, PathTracer, Traffic};
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use std::sync::Mutex;
+
+/// Batches a thread works on at once.
+const BATCHES: usize = 256;
+
+/// Threads for `threads`; none for a single one, which is the caller's.
+pub(super) fn start_threads(threads: Option<usize>) -> Result<Option<ThreadPool>, Error> {
+    let build = || ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build();
+    let pool = (threads != Some(1)).then(build).transpose();
+    pool.map_err(|error| Error::Work(format!("cannot start threads: {error}")))
+}
+
+/// Threads, each with what it needs to trace paths.
+pub(super) struct Crew<'a> {
+    scene: Scene<'a>,
+    camera: Camera,
+    integrator: Integrator,
+    /// What [`Integrator::Gather`] looks up.
+    maps: Option<Maps<'a>>,
+    max_depth: u32,
+    /// None for a single worker, which works on the caller's thread.
+    pool: Option<ThreadPool>,
+    workers: Vec<Mutex<Worker>>,
+}
+
+/// What belongs to one thread; the lock is never contended.
+struct Worker {
+    packets: Vec<Packet>,
+    batches: Vec<Batch8>,
+    radiance: Vec<Rgb8>,
+    traffic: Traffic,
+}
+
+impl<'a> Crew<'a> {
+    pub fn new(
+        scene: &'a LoadedScene,
+        settings: &Settings,
+        maps: Option<Maps<'a>>,
+        pool: Option<ThreadPool>,
+    ) -> Result<Self, Error> {
+        let view = &settings.view;
+        let (width, height) = (settings.sampler.width, settings.sampler.height);
+        let camera = Camera::new(view.from, view.at, view.up, view.fov, width, height).map_err(setting)?;
+        let count = pool.as_ref().map_or(1, ThreadPool::current_num_threads);
+        let workers = (0..count).map(|_| Mutex::new(Worker::new())).collect();
+        let scene = Scene::new(scene.data()).map_err(setting)?;
+        Ok(Crew {
+            scene,
+            camera,
+            integrator: settings.integrator,
+            maps,
+            max_depth: settings.max_depth,
+            pool,
+            workers,
+        })
+    }
+
+    /// Renders all jobs of an iteration.
+    pub fn work(&self, jobs: Jobs<'_>, progress: &(dyn Fn(u64) + Sync)) {
+        let jobs = Mutex::new(jobs);
+        match &self.pool {
+            Some(pool) => drop(pool.broadcast(|thread| self.work_as(thread.index(), &jobs, progress))),
+            None => self.work_as(0, &jobs, progress),
+        }
+    }
+
+    /// Renders jobs as worker number `index` until none is left.
+    fn work_as(&self, index: usize, jobs: &Mutex<Jobs<'_>>, progress: &(dyn Fn(u64) + Sync)) {
+        let worker = &mut *lock(&self.workers[index]);
+        let Ok(mut work) = Workspace::new(&mut worker.batches, &mut worker.radiance) else { return };
+        let (scene, camera, depth, memory) = (self.scene, self.camera, self.max_depth, &mut worker.packets);
+        let traffic = match self.integrator {
+            Integrator::Path => {
+                let mut tracer = PathTracer::new(scene, camera, depth, memory);
+                drain(jobs, &mut tracer, &mut work, progress);
+                tracer.traffic()
+            }
+            Integrator::Direct { light_samples, bsdf_samples } => {
+                let samples = Samples { light: light_samples, bsdf: bsdf_samples };
+                let mut tracer = DirectLighting::new(scene, camera, depth, samples, memory);
+                drain(jobs, &mut tracer, &mut work, progress);
+                tracer.traffic()
+            }
+            Integrator::Gather { .. } => {
+                let Some(maps) = self.maps else { return };
+                let mut tracer = Gather::new(scene, camera, depth, maps, memory);
+                drain(jobs, &mut tracer, &mut work, progress);
+                tracer.traffic()
+            }
+        };
+        worker.traffic = sum(worker.traffic, traffic);
+    }
+
+    /// Rays traced over lanes of the packets traced.
+    pub fn lane_occupancy(&self) -> f64 {
+        let traffic = self.workers.iter().map(|worker| lock(worker).traffic).fold(Traffic::default(), sum);
+        let lanes = 8 * (traffic.packets + traffic.shadow_packets);
+        (traffic.rays + traffic.shadow_rays) as f64 / lanes.max(1) as f64
+    }
+}
+
+impl Worker {
+    fn new() -> Worker {
+        Worker {
+            packets: vec![Packet::default(); PathTracer::required(8 * BATCHES)],
+            batches: vec![Batch8::default(); BATCHES],
+            radiance: vec![Rgb8::default(); BATCHES],
+            traffic: Traffic::default(),
+        }
+    }
+}
+
+/// Renders jobs until none is left.
+fn drain(
+    jobs: &Mutex<Jobs<'_>>,
+    integrand: &mut impl Integrand,
+    work: &mut Workspace<'_>,
+    progress: &(dyn Fn(u64) + Sync),
+) {
+    loop {
+        // A statement of its own, so that the lock is released before the work begins.
+        let next = lock(jobs).next();
+        let Some(mut job) = next else { break };
+        job.render(integrand, work);
+        progress(job.samples());
+    }
+}
+
+impl Crew<'_> {
+    /// How many work.
+    pub fn len(&self) -> usize {
+        self.workers.len()
+    }
+}
+
+fn sum(a: Traffic, b: Traffic) -> Traffic {
+    Traffic {
+        packets: a.packets + b.packets,
+        rays: a.rays + b.rays,
+        shadow_packets: a.shadow_packets + b.shadow_packets,
+        shadow_rays: a.shadow_rays + b.shadow_rays,
+    }
+}
