@@ -1,25 +1,14 @@
 //! A scene that changes from frame to frame.
 
+use super::error::Error;
+use super::model::{Frames, LoadedScene};
+use super::object::Object;
 use super::place::Placement;
-use super::pose::{self, Object};
-use super::track::{Track, Turn};
-use super::{Error, LoadedScene, View, file, is_obj, obj};
-use glam::Vec3;
+use super::pose;
+use super::script::Script;
 use pmcip_core::tracer::scene::LightNode8;
 use pmcip_core::tracer::scene::{light, light_tree};
-use std::path::Path;
 use std::time::Instant;
-
-/// The frames of an animation.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Frames {
-    /// Number of the first frame.
-    pub first: u32,
-    /// Number of the last frame.
-    pub last: u32,
-    /// Frames a second.
-    pub fps: f32,
-}
 
 /// What a change of the frame has changed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -56,27 +45,6 @@ pub struct Animation {
 }
 
 impl Animation {
-    /// Loads a scene file, or an OBJ as a scene that never changes, and brings it to its first frame.
-    ///
-    /// # Errors
-    /// If a file cannot be read or understood, or holds no triangle.
-    pub fn load(path: &Path) -> Result<Animation, Error> {
-        if is_obj(path) { obj::load_scene(path, false) } else { file::load_scene(path) }
-    }
-
-    /// Loads a scene to be rendered: as [`load`](Self::load), but something shines in it. An OBJ without light gets a
-    /// lamp behind the camera, and a warning that says so.
-    ///
-    /// # Errors
-    /// As [`load`](Self::load), and if a scene file has no light.
-    pub fn load_lit(path: &Path) -> Result<Animation, Error> {
-        if is_obj(path) {
-            return obj::load_scene(path, true);
-        }
-        let animation = file::load_scene(path)?;
-        animation.scene.require_light().map(|()| animation)
-    }
-
     /// Takes a scene whose objects stand where `script` wants them in `frame`.
     pub(super) fn new(
         scene: LoadedScene,
@@ -190,105 +158,4 @@ impl Animation {
         );
         scene.light_nodes.truncate(used);
     }
-}
-
-/// What a scene does over time.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Script {
-    pub frames: Option<Frames>,
-    pub camera: Option<CameraTrack>,
-    /// One for each object.
-    pub paths: Vec<ObjectTrack>,
-    /// One for each material that can change.
-    pub glows: Vec<GlowTrack>,
-    /// Whether a path has keys.
-    pub moving: bool,
-}
-
-impl Script {
-    /// Nothing moves: so many objects where they are.
-    pub fn still(objects: usize) -> Script {
-        Script { paths: vec![ObjectTrack::Still; objects], ..Script::default() }
-    }
-
-    pub fn first_frame(&self) -> u32 {
-        self.frames.map_or(0, |frames| frames.first)
-    }
-
-    fn moves(&self) -> bool {
-        self.moving
-    }
-
-    /// Where all objects stand in a frame.
-    pub fn placements(&self, frame: u32) -> Result<Vec<Placement>, &'static str> {
-        self.paths.iter().map(|path| path.at(frame)).collect()
-    }
-}
-
-/// A camera over time.
-#[derive(Clone, Debug)]
-pub(super) struct CameraTrack {
-    pub from: Track<3>,
-    pub at: Track<3>,
-    pub up: Track<3>,
-    pub fov: Track<1>,
-}
-
-impl CameraTrack {
-    /// The camera of a frame.
-    ///
-    /// # Errors
-    /// If it looks nowhere.
-    pub fn at(&self, frame: u32) -> Result<View, &'static str> {
-        let [from, at, up] = [&self.from, &self.at, &self.up].map(|track| Vec3::from_array(track.at(frame)));
-        let forward = (at - from).try_normalize().ok_or("camera: from and at are the same point")?;
-        let upward = up.try_normalize().ok_or("camera: up has no direction")?;
-        if forward.cross(upward).length() < 1e-5 {
-            return Err("camera: up is parallel to the view");
-        }
-        let [fov] = self.fov.at(frame);
-        Ok(View { from: from.to_array(), at: at.to_array(), up: up.to_array(), fov })
-    }
-}
-
-/// An object's place over time.
-#[derive(Clone, Debug)]
-pub(super) enum ObjectTrack {
-    Still,
-    Mesh { scale: Track<3>, rotate: Turn, translate: Track<3> },
-    Sphere { center: Track<3>, radius: Track<1> },
-    Light { center: Track<3>, edge_u: Track<3>, edge_v: Track<3> },
-}
-
-impl ObjectTrack {
-    /// The place in a frame.
-    ///
-    /// # Errors
-    /// If a light has no area.
-    pub fn at(&self, frame: u32) -> Result<Placement, &'static str> {
-        let vector = |track: &Track<3>| Vec3::from_array(track.at(frame));
-        Ok(match self {
-            ObjectTrack::Still => Placement::IDENTITY,
-            ObjectTrack::Mesh { scale, rotate, translate } => {
-                Placement::new(vector(scale), rotate.at(frame), vector(translate))
-            }
-            ObjectTrack::Sphere { center, radius } => Placement::sphere(vector(center), radius.at(frame)[0]),
-            ObjectTrack::Light { center, edge_u, edge_v } => {
-                let (u, v) = (vector(edge_u), vector(edge_v));
-                if u.cross(v).length_squared() <= 1e-12 * u.length_squared() * v.length_squared() {
-                    return Err("lights: edge_u and edge_v span no area");
-                }
-                Placement::rectangle(vector(center), u, v)
-            }
-        })
-    }
-}
-
-/// The emission of a material over time.
-#[derive(Clone, Debug)]
-pub(super) struct GlowTrack {
-    pub material: u32,
-    pub emission: Track<3>,
-    /// A factor.
-    pub power: Track<1>,
 }

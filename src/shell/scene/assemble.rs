@@ -1,25 +1,20 @@
 //! Collects triangles, materials and textures from all sources: a scene in the making.
 
-use super::animation::{ObjectTrack, Script};
+use super::animation::Animation;
+use super::error::Error;
+use super::model::{LoadedScene, View};
+use super::object::{Corner, Object, Piece};
 use super::place::Placement;
-use super::pose::{Object, Piece};
+use super::script::{ObjectTrack, Script};
 use super::texture::TextureCache;
-use super::{Animation, Error, LoadedScene, View, pose, shapes};
-use glam::{Vec2, Vec3};
+use super::{pose, shapes};
+use glam::Vec3;
 use pmcip_core::tracer::scene::Material;
 use pmcip_core::tracer::scene::light;
 use std::path::Path;
 
 /// The vertical field of view of the automatic camera: that of the Cornell box.
 pub(super) const DEFAULT_FOV: f32 = 39.3;
-
-/// A corner of a triangle; a zero normal means that the source has none.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Corner {
-    pub position: Vec3,
-    pub normal: Vec3,
-    pub uv: Vec2,
-}
 
 /// What the scene file or the lack of one says about the image.
 #[derive(Clone, Copy, Debug)]

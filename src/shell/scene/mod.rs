@@ -100,157 +100,19 @@ mod assemble;
 pub mod bvh;
 mod error;
 mod file;
-mod keys;
-mod mtl;
+mod load;
+mod model;
 mod obj;
-mod obj_text;
+mod object;
 mod place;
 mod pose;
+mod script;
 mod shapes;
 mod texture;
 mod track;
-mod value;
 
-pub use animation::{Animation, Change, Frames};
+pub use animation::{Animation, Change};
 pub use error::Error;
+pub use load::{load, load_lit};
+pub use model::{Frames, LoadedScene, MAX_SIZE, Pose, View};
 pub use place::{Placement, Shift};
-/// The largest width or height of an image, in pixels.
-pub const MAX_SIZE: u32 = 16384;
-
-use pmcip_core::tracer::scene::{
-    Leaf8, Light, LightNode8, Material, Node8, SceneData, Surface, Texture, Triangle,
-};
-use std::path::{Path, PathBuf};
-
-/// From where a scene is seen.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct View {
-    /// The eye.
-    pub from: [f32; 3],
-    /// A point in the middle of the image.
-    pub at: [f32; 3],
-    /// A direction that points up in the image.
-    pub up: [f32; 3],
-    /// Vertical field of view in degrees.
-    pub fov: f32,
-}
-
-/// Where everything stands in a frame: what is to be kept of it to know how things have moved since.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Pose {
-    /// The camera.
-    pub view: View,
-    /// Where each object stands.
-    pub placements: Vec<Placement>,
-}
-
-/// A scene in memory, ready to be lent to the core.
-#[derive(Clone, Debug)]
-pub struct LoadedScene {
-    /// The file's name without its extension.
-    pub name: String,
-    /// The file it came from.
-    pub path: PathBuf,
-    /// Hierarchy over the triangles.
-    pub nodes: Vec<Node8>,
-    /// The hierarchy's leaves.
-    pub leaves: Vec<Leaf8>,
-    /// Triangles in leaf order.
-    pub triangles: Vec<Triangle>,
-    /// One a triangle.
-    pub surfaces: Vec<Surface>,
-    /// The object of each triangle: meshes, then spheres, then lights, in the order of the scene file.
-    pub objects: Vec<u32>,
-    /// Where each object stands.
-    pub placements: Vec<Placement>,
-    /// Materials.
-    pub materials: Vec<Material>,
-    /// Textures.
-    pub textures: Vec<Texture>,
-    /// Texels of all textures.
-    pub texels: Vec<[f32; 3]>,
-    /// Emitting triangles.
-    pub lights: Vec<Light>,
-    /// Tree over them; empty where they are few.
-    pub light_nodes: Vec<LightNode8>,
-    /// The camera.
-    pub view: View,
-    /// Image width in pixels.
-    pub width: u32,
-    /// Image height in pixels.
-    pub height: u32,
-    /// Luminance in cd/m² of radiance 1.
-    pub cd_per_unit: f32,
-    /// Samples a pixel that the scene asks for.
-    pub spp: Option<u32>,
-    /// Path depth that the scene asks for.
-    pub max_depth: Option<u32>,
-    /// What the loader had to guess or leave out, one line each.
-    pub warnings: Vec<String>,
-}
-
-impl LoadedScene {
-    /// Where everything stands, seen by `view`.
-    pub fn pose(&self, view: View) -> Pose {
-        Pose { view, placements: self.placements.clone() }
-    }
-
-    /// The scene as the core sees it.
-    pub fn data(&self) -> SceneData<'_> {
-        SceneData {
-            nodes: &self.nodes,
-            leaves: &self.leaves,
-            triangles: &self.triangles,
-            surfaces: &self.surfaces,
-            materials: &self.materials,
-            textures: &self.textures,
-            texels: &self.texels,
-            lights: &self.lights,
-            light_nodes: &self.light_nodes,
-        }
-    }
-
-    /// Notes what the user should know; once is enough.
-    fn warn(&mut self, warning: String) {
-        if !self.warnings.contains(&warning) {
-            self.warnings.push(warning);
-        }
-    }
-
-    /// Makes sure that something shines, before time is spent on a black image.
-    ///
-    /// # Errors
-    /// If no triangle emits.
-    pub fn require_light(&self) -> Result<(), Error> {
-        if !self.lights.is_empty() {
-            return Ok(());
-        }
-        let remedy = if is_obj(&self.path) {
-            "give a material in the MTL file an emission (Ke)"
-        } else {
-            "add [[lights]] or a material with emission"
-        };
-        Err(Error::in_file(&self.path, format!("no light: {remedy}")))
-    }
-}
-
-/// Loads a scene file, or an OBJ as a scene of its own; of an animation the first frame.
-///
-/// # Errors
-/// If a file cannot be read or understood, or holds no triangle.
-pub fn load(path: &Path) -> Result<LoadedScene, Error> {
-    Animation::load(path).map(Animation::into_scene)
-}
-
-/// Loads a scene to be rendered: as [`load`], but something shines in it. An OBJ without light gets a lamp behind the
-/// camera, and a warning that says so.
-///
-/// # Errors
-/// As [`load`], and if a scene file has no light.
-pub fn load_lit(path: &Path) -> Result<LoadedScene, Error> {
-    Animation::load_lit(path).map(Animation::into_scene)
-}
-
-fn is_obj(path: &Path) -> bool {
-    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("obj"))
-}

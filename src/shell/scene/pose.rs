@@ -1,32 +1,16 @@
 //! Puts the triangles of all objects where a frame wants them, and builds the hierarchy over them.
 
-use super::assemble::Corner;
 use super::bvh;
+use super::object::{Corner, Object, Piece};
 use super::place::Placement;
 use glam::Vec3;
 use pmcip_core::tracer::scene::{Leaf8, Node8, Surface, Triangle};
-use std::path::PathBuf;
 
 /// The height of a triangle over its longest edge below which it is a line to `f32` arithmetic.
 const DEGENERATE_HEIGHT: f64 = 1e-6;
 
 /// How far a shading normal may lean towards the back: its least cosine with the geometric normal.
 const LEAST_COSINE: f32 = 0.01;
-
-/// Triangles that move together, in coordinates of their own.
-#[derive(Clone, Debug)]
-pub(super) struct Object {
-    /// The file to name in warnings.
-    pub source: PathBuf,
-    pub pieces: Vec<Piece>,
-}
-
-/// A triangle of an object.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Piece {
-    pub corners: [Corner; 3],
-    pub material: u32,
-}
 
 /// All objects in their places.
 #[derive(Debug, Default)]

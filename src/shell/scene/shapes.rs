@@ -1,6 +1,6 @@
 //! Shapes the scene file knows by name, as triangles: sphere and square.
 
-use super::assemble::Corner;
+use super::object::Corner;
 use glam::Vec3;
 
 /// The unit sphere as an icosahedron whose triangles are split in four `subdivisions` times, with the sphere's normals.

@@ -4,27 +4,22 @@
 //! the first corner sees all others). A triangle without normals at all its corners is flat. Groups and objects
 //! do not matter. Curves, free-form surfaces, points and lines are left out.
 
-use super::animation::Script;
-use super::assemble::{Assembly, Corner, Shot};
-use super::error::read;
-use super::obj_text::{self, CheckedObj};
-use super::{Animation, Error, mtl};
+mod lines;
+mod mtl;
+mod text;
+
+use crate::scene::assemble::Assembly;
+use crate::scene::error::{Error, read};
+use crate::scene::object::Corner;
 use glam::{Vec2, Vec3};
 use pmcip_core::tracer::scene::Material;
 use std::path::Path;
+use text::CheckedObj;
 use tobj::{LoadOptions, Mesh, Model};
-
-/// Loads an OBJ as a scene of its own: default film, a camera framed on it, lights from its materials, or if none of
-/// them shines and `soft_box` allows it, a lamp behind the camera.
-pub(super) fn load_scene(path: &Path, soft_box: bool) -> Result<Animation, Error> {
-    let mut assembly = Assembly::default();
-    add_mesh(&mut assembly, path, None)?;
-    assembly.finish(path, Shot { soft_box, ..Shot::default() }, Script::still(1))
-}
 
 /// Adds the triangles of an OBJ file as an object, all of one `material` if it is given.
 pub(super) fn add_mesh(assembly: &mut Assembly, path: &Path, material: Option<u32>) -> Result<(), Error> {
-    let checked = obj_text::check(path, &read(path)?)?;
+    let checked = text::check(path, &read(path)?)?;
     let models = parse(path, &checked)?;
     if models.iter().all(|m| m.mesh.indices.is_empty()) {
         return Err(Error::in_file(path, "no faces"));

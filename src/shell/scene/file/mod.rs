@@ -1,141 +1,26 @@
 //! The scene file: what TOML may say, and what it means.
 
-use super::animation::Script;
-use super::assemble::{Assembly, Corner, Shot, lamp};
-use super::error::read;
-use super::keys::{self, CameraKey, Fault, Keys, LightKey, MaterialKey, MeshKey, SphereKey};
-use super::track::Interpolation;
-use super::value::{
-    FieldOfView, Point, Positive, Power, Radiance, Reflectance, Roughness, Scale, Size, Subdivisions,
-};
-use super::{Animation, Error, Frames, View, obj, shapes};
+mod keys;
+mod tables;
+mod tracks;
+mod value;
+
+use crate::scene::animation::Animation;
+use crate::scene::assemble::{Assembly, Shot, lamp};
+use crate::scene::error::{Error, read};
+use crate::scene::model::{Frames, View};
+use crate::scene::object::Corner;
+use crate::scene::script::Script;
+use crate::scene::shapes;
+use keys::{Fault, Keys};
 use pmcip_core::tracer::scene::{Material, Scattering};
-use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::Path;
+use tables::{FramesTable, Kind, LightTable, MaterialTable, SceneFile, SphereTable};
 use toml::Spanned;
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct SceneFile {
-    made_by: Option<String>,
-    #[serde(default)]
-    film: FilmTable,
-    #[serde(default)]
-    render: RenderTable,
-    frames: Option<Spanned<FramesTable>>,
-    camera: Option<Spanned<CameraTable>>,
-    #[serde(default)]
-    meshes: Vec<MeshTable>,
-    #[serde(default)]
-    spheres: Vec<SphereTable>,
-    #[serde(default)]
-    lights: Vec<Spanned<LightTable>>,
-    #[serde(default)]
-    materials: BTreeMap<String, MaterialTable>,
-}
-
-#[derive(Default, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct FilmTable {
-    width: Option<Size>,
-    height: Option<Size>,
-    cd_per_unit: Option<Positive>,
-}
-
-#[derive(Default, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RenderTable {
-    spp: Option<std::num::NonZeroU32>,
-    max_depth: Option<std::num::NonZeroU32>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct FramesTable {
-    first: u32,
-    last: u32,
-    fps: Option<Positive>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct CameraTable {
-    pub from: Point,
-    pub at: Point,
-    pub up: Option<Point>,
-    pub fov: FieldOfView,
-    #[serde(default)]
-    pub interpolation: Interpolation,
-    #[serde(default)]
-    pub keys: Keys<CameraKey>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct MeshTable {
-    file: String,
-    pub translate: Option<Point>,
-    pub rotate: Option<Point>,
-    pub scale: Option<Scale>,
-    material: Option<Spanned<String>>,
-    #[serde(default)]
-    pub interpolation: Interpolation,
-    #[serde(default)]
-    pub keys: Keys<MeshKey>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct SphereTable {
-    pub center: Point,
-    pub radius: Positive,
-    subdivisions: Option<Subdivisions>,
-    material: Spanned<String>,
-    #[serde(default)]
-    pub interpolation: Interpolation,
-    #[serde(default)]
-    pub keys: Keys<SphereKey>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct LightTable {
-    pub center: Point,
-    pub edge_u: Point,
-    pub edge_v: Point,
-    pub radiance: Radiance,
-    pub power: Option<Power>,
-    #[serde(default)]
-    pub interpolation: Interpolation,
-    #[serde(default)]
-    pub keys: Keys<LightKey>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct MaterialTable {
-    #[serde(default)]
-    kind: Kind,
-    diffuse: Option<Reflectance>,
-    specular: Option<Reflectance>,
-    roughness: Option<Roughness>,
-    ior: Option<Positive>,
-    pub emission: Option<Radiance>,
-    #[serde(default)]
-    pub interpolation: Interpolation,
-    #[serde(default)]
-    pub keys: Keys<MaterialKey>,
-}
-
-#[derive(Default, Deserialize)]
-#[serde(rename_all = "lowercase")]
-enum Kind {
-    #[default]
-    Rough,
-    Mirror,
-    Glass,
-}
+/// Adds the triangles of a mesh file, all of one material if it is given.
+pub(super) type AddMesh = fn(&mut Assembly, &Path, Option<u32>) -> Result<(), Error>;
 
 /// A scene file's text, and where it stands.
 struct Source<'a> {
@@ -164,7 +49,7 @@ impl Source<'_> {
 }
 
 /// Loads a scene file and all that it names.
-pub(super) fn load_scene(path: &Path) -> Result<Animation, Error> {
+pub(super) fn load_scene(path: &Path, add_mesh: AddMesh) -> Result<Animation, Error> {
     let text = read(path)?;
     let source = Source { path, text: &text };
     let scene: SceneFile = toml::from_str(&text).map_err(|e| source.toml_error(e))?;
@@ -192,7 +77,7 @@ pub(super) fn load_scene(path: &Path) -> Result<Animation, Error> {
         if let (Some(command), false) = (&scene.made_by, file.exists()) {
             return Err(Error::in_file(&file, format!("not there: run `{command}` first")));
         }
-        obj::add_mesh(&mut assembly, &file, material)?;
+        add_mesh(&mut assembly, &file, material)?;
         if let Some((from, to)) = mesh.long_turn() {
             let what = "angles differ by more than 180°: the mesh turns the short way";
             assembly.warn(format!("{}: from frame {from} to {to} {what}", mesh.file));

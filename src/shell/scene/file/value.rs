@@ -1,6 +1,6 @@
 //! Numbers of the scene file, checked as they are read, so that an error knows its line.
 
-use super::MAX_SIZE;
+use crate::scene::model::MAX_SIZE;
 use glam::Vec3;
 use pmcip_core::tracer::scene::MIN_ROUGHNESS;
 use serde::{Deserialize, Deserializer, de::Error};

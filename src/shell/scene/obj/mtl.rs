@@ -5,10 +5,10 @@
 //! written in too many meanings to colour glass by); all else is diffuse `Kd` plus a GGX lobe `Ks` of roughness
 //! √(2/(Ns+2)). `map_Kd` multiplies `Kd`. What is above 1 is clamped, with a warning.
 
-use super::Error;
-use super::assemble::Assembly;
-use super::error::read;
-use super::obj_text::{CheckedObj, data, logical_lines, split};
+use super::lines::{data, logical_lines, split};
+use super::text::CheckedObj;
+use crate::scene::assemble::Assembly;
+use crate::scene::error::{Error, read};
 use pmcip_core::tracer::scene::{MIN_ROUGHNESS, Material, NO_TEXTURE, Scattering};
 use std::collections::HashMap;
 use std::fmt::Write;

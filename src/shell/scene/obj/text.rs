@@ -5,8 +5,8 @@
 //! what tobj gets is plain: all vertices, then faces whose corners all have position, texture coordinate and
 //! normal (zero where the file has none), and `usemtl` lines. Points, lines, curves and names are left out.
 
-use super::Error;
-use std::borrow::Cow;
+use super::lines::{data, logical_lines, split};
+use crate::scene::error::Error;
 use std::fmt::Write;
 use std::path::Path;
 
@@ -149,30 +149,4 @@ fn use_material(obj: &mut CheckedObj, name: &str) -> Result<(), String> {
     }
     let _ = writeln!(obj.text, "usemtl {name}");
     Ok(())
-}
-
-/// The first word of a line and the trimmed rest.
-pub(super) fn split(line: &str) -> (&str, &str) {
-    let line = line.trim();
-    let (key, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
-    (key, rest.trim_start())
-}
-
-/// What stands before a comment.
-pub(super) fn data(text: &str) -> &str {
-    text.split('#').next().unwrap_or_default()
-}
-
-/// Lines with the number of their beginning; a backslash at the end of a line continues it.
-pub(super) fn logical_lines(source: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
-    let mut lines = source.lines().enumerate();
-    std::iter::from_fn(move || {
-        let (index, first) = lines.next()?;
-        let mut line = Cow::Borrowed(first);
-        while let Some(part) = line.trim_end().strip_suffix('\\') {
-            let more = lines.next().map_or("", |(_, text)| text);
-            line = Cow::Owned(format!("{part} {more}"));
-        }
-        Some((index + 1, line))
-    })
 }

@@ -1,0 +1,27 @@
+//! Triangles that move together, as readers find them.
+
+use glam::{Vec2, Vec3};
+use std::path::PathBuf;
+
+/// A corner of a triangle; a zero normal means that the source has none.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Corner {
+    pub position: Vec3,
+    pub normal: Vec3,
+    pub uv: Vec2,
+}
+
+/// Triangles that move together, in coordinates of their own.
+#[derive(Clone, Debug)]
+pub(super) struct Object {
+    /// The file to name in warnings.
+    pub source: PathBuf,
+    pub pieces: Vec<Piece>,
+}
+
+/// A triangle of an object.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Piece {
+    pub corners: [Corner; 3],
+    pub material: u32,
+}

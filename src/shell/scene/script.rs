@@ -1,0 +1,107 @@
+//! What changes from frame to frame: camera, objects, emissions.
+
+use super::model::{Frames, View};
+use super::place::Placement;
+use super::track::{Track, Turn};
+use glam::Vec3;
+
+/// What a scene does over time.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Script {
+    pub frames: Option<Frames>,
+    pub camera: Option<CameraTrack>,
+    /// One for each object.
+    pub paths: Vec<ObjectTrack>,
+    /// One for each material that can change.
+    pub glows: Vec<GlowTrack>,
+    /// Whether a path has keys.
+    pub moving: bool,
+}
+
+impl Script {
+    /// Nothing moves: so many objects where they are.
+    pub fn still(objects: usize) -> Script {
+        Script { paths: vec![ObjectTrack::Still; objects], ..Script::default() }
+    }
+
+    pub fn first_frame(&self) -> u32 {
+        self.frames.map_or(0, |frames| frames.first)
+    }
+
+    pub fn moves(&self) -> bool {
+        self.moving
+    }
+
+    /// Where all objects stand in a frame.
+    pub fn placements(&self, frame: u32) -> Result<Vec<Placement>, &'static str> {
+        self.paths.iter().map(|path| path.at(frame)).collect()
+    }
+}
+
+/// A camera over time.
+#[derive(Clone, Debug)]
+pub(super) struct CameraTrack {
+    pub from: Track<3>,
+    pub at: Track<3>,
+    pub up: Track<3>,
+    pub fov: Track<1>,
+}
+
+impl CameraTrack {
+    /// The camera of a frame.
+    ///
+    /// # Errors
+    /// If it looks nowhere.
+    pub fn at(&self, frame: u32) -> Result<View, &'static str> {
+        let [from, at, up] = [&self.from, &self.at, &self.up].map(|track| Vec3::from_array(track.at(frame)));
+        let forward = (at - from).try_normalize().ok_or("camera: from and at are the same point")?;
+        let upward = up.try_normalize().ok_or("camera: up has no direction")?;
+        if forward.cross(upward).length() < 1e-5 {
+            return Err("camera: up is parallel to the view");
+        }
+        let [fov] = self.fov.at(frame);
+        Ok(View { from: from.to_array(), at: at.to_array(), up: up.to_array(), fov })
+    }
+}
+
+/// An object's place over time.
+#[derive(Clone, Debug)]
+pub(super) enum ObjectTrack {
+    Still,
+    Mesh { scale: Track<3>, rotate: Turn, translate: Track<3> },
+    Sphere { center: Track<3>, radius: Track<1> },
+    Light { center: Track<3>, edge_u: Track<3>, edge_v: Track<3> },
+}
+
+impl ObjectTrack {
+    /// The place in a frame.
+    ///
+    /// # Errors
+    /// If a light has no area.
+    pub fn at(&self, frame: u32) -> Result<Placement, &'static str> {
+        let vector = |track: &Track<3>| Vec3::from_array(track.at(frame));
+        Ok(match self {
+            ObjectTrack::Still => Placement::IDENTITY,
+            ObjectTrack::Mesh { scale, rotate, translate } => {
+                Placement::new(vector(scale), rotate.at(frame), vector(translate))
+            }
+            ObjectTrack::Sphere { center, radius } => Placement::sphere(vector(center), radius.at(frame)[0]),
+            ObjectTrack::Light { center, edge_u, edge_v } => {
+                let (u, v) = (vector(edge_u), vector(edge_v));
+                if u.cross(v).length_squared() <= 1e-12 * u.length_squared() * v.length_squared() {
+                    return Err("lights: edge_u and edge_v span no area");
+                }
+                Placement::rectangle(vector(center), u, v)
+            }
+        })
+    }
+}
+
+/// The emission of a material over time.
+#[derive(Clone, Debug)]
+pub(super) struct GlowTrack {
+    pub material: u32,
+    pub emission: Track<3>,
+    /// A factor.
+    pub power: Track<1>,
+}
