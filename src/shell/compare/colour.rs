@@ -1,6 +1,6 @@
 //! Numbers as colours, and pixels as pictures inside a page.
 
-use super::pictures::Raster;
+use super::raster::Raster;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};

@@ -3,44 +3,14 @@
 //! Every kind of picture has one scale for all methods. Errors are those of luminance.
 
 use super::colour::{Scale, quantile};
-use super::{Comparison, Shown};
+use super::data::{Comparison, Shown};
+use super::raster::{Block, Raster};
 use crate::picture::frame_io::{Picture, encode_srgb};
 use crate::picture::metrics::{acuity, luminance};
 use std::ops::Range;
 
 /// Blocks that are enlarged at most.
 const ZOOMS: usize = 3;
-
-/// Coloured pixels, row by row from the top.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Raster {
-    /// Pixels in a row.
-    pub width: usize,
-    /// Rows.
-    pub height: usize,
-    /// sRGB.
-    pub pixels: Vec<[u8; 3]>,
-}
-
-impl Raster {
-    /// The part of the picture in a block.
-    pub fn crop(&self, block: &Block) -> Raster {
-        let rows = self.pixels.chunks_exact(self.width).skip(block.y).take(block.side);
-        let pixels = rows.flat_map(|row| row[block.x..][..block.side].iter().copied()).collect();
-        Raster { width: block.side, height: block.side, pixels }
-    }
-}
-
-/// A square of pixels.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Block {
-    /// Columns to the left of it.
-    pub x: usize,
-    /// Rows above it.
-    pub y: usize,
-    /// Pixels in a row.
-    pub side: usize,
-}
 
 /// One picture of each method in colours that mean the same for all.
 pub struct Kind {

@@ -1,6 +1,6 @@
 //! Plots with error bars, logarithmic upwards, as SVG to put into a page.
 
-use super::table::significant;
+use super::digits::significant;
 use crate::error::Error;
 use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
 use plotters::prelude::*;

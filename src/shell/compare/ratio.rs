@@ -4,8 +4,8 @@
 //! logarithms and followed up to a factor of two beyond them. With a single sample count the curve is taken to fall
 //! as 1/seconds. Where the curve says nothing the ratio is not a number, `null` in JSON.
 
-use super::stats::interpolate;
-use super::{Comparison, Measures, Row};
+use super::data::{Comparison, Row};
+use super::stats::{Measures, interpolate};
 use serde::Serialize;
 
 /// The baseline's error over that of a method: above 1 the method is better.

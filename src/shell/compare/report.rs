@@ -2,23 +2,17 @@
 //!
 //! Each file is either complete or not there. The page needs no other file and no network.
 
+use super::data::{Comparison, FrameRow, Row};
+use super::plan::Plan;
 use super::ratio::Ratios;
 use super::reference::Reference;
-use super::{Comparison, FrameRow, Plan, Row, page, table};
-use crate::error::Error;
-use crate::picture::output;
 use crate::scene::LoadedScene;
 use serde::Serialize;
 use serde_json::{Map, Value};
-use std::fmt::{self, Display, Formatter};
-use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Names of the files in the report's folder.
 pub const FILES: [&str; 3] = ["report.json", "report.csv", "report.html"];
-
-/// Name of the file with the curves over frames.
-const FRAMES_FILE: &str = "frames.csv";
 
 /// The machine that was measured on.
 #[derive(Clone, Debug, Serialize)]
@@ -75,9 +69,9 @@ pub struct Report<'a> {
     /// What the loader of the scene had to guess.
     pub warnings: &'a [String],
     #[serde(skip)]
-    comparison: &'a Comparison,
+    pub(super) comparison: &'a Comparison,
     #[serde(skip)]
-    cd_per_unit: f64,
+    pub(super) cd_per_unit: f64,
 }
 
 impl<'a> Report<'a> {
@@ -107,31 +101,6 @@ impl<'a> Report<'a> {
             comparison,
             cd_per_unit: f64::from(scene.cd_per_unit),
         }
-    }
-
-    /// Writes the files into `folder` and names them.
-    ///
-    /// # Errors
-    /// [`Error::Write`]; [`Error::Work`] if a plot cannot be drawn.
-    pub fn write(&self, folder: &Path) -> Result<Vec<PathBuf>, Error> {
-        // Plain data with string keys: it cannot fail to become JSON.
-        let json = serde_json::to_string_pretty(self).unwrap_or_default() + "\n";
-        let page = page::html(self, self.comparison, self.cd_per_unit)?;
-        let mut files: Vec<_> = FILES.into_iter().zip([json, table::csv(self.rows), page]).collect();
-        if !self.frames.is_empty() {
-            files.push((FRAMES_FILE, table::frames_csv(self.frames)));
-        }
-        let write = |(name, text): (&str, String)| {
-            let path = folder.join(name);
-            output::write(&path, |file| file.write_all(text.as_bytes())).map(|()| path)
-        };
-        files.into_iter().map(write).collect()
-    }
-}
-
-impl Display for Report<'_> {
-    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        f.write_str(&table::ratios(self))
     }
 }
 

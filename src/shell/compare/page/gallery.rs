@@ -1,10 +1,11 @@
 //! The pictures of a comparison as parts of a page.
 
 use super::super::colour::{Scale, data_uri};
-use super::super::pictures::{Block, Gallery, Kind, Raster};
-use super::super::table::significant;
-use super::super::{Comparison, Shown};
-use super::named;
+use super::super::data::{Comparison, Shown};
+use super::super::digits::significant;
+use super::super::pictures::{Gallery, Kind};
+use super::super::raster::{Block, Raster};
+use super::methods::named;
 
 /// Enlargement of the zooms.
 const ENLARGED: usize = 4;

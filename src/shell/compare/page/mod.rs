@@ -1,32 +1,19 @@
 //! A comparison as a page that needs nothing else: plots, tables, pictures.
 
 mod gallery;
+mod methods;
 mod tables;
 
+use super::data::{Comparison, FrameRow, Row};
+use super::digits::significant;
 use super::pictures::Gallery;
 use super::plot::{self, Axis, Line, Point, Spacing};
 use super::reference::{Reference, Source};
 use super::report::{Machine, Report};
-use super::table::significant;
-use super::{Comparison, FrameRow, Measures, Row};
+use super::stats::Measures;
 use crate::error::Error;
+use methods::{escape, measures, methods, named};
 use serde_json::{Map, Value};
-
-/// A measure: its name, what its number means, and where it is.
-type Measure = (&'static str, &'static str, fn(&Measures) -> f64);
-
-/// What is plotted and compared.
-const MEASURES: [Measure; 4] = [
-    ("Err", "mean of e²/tvi", |m| m.err),
-    ("Low-pass Err", "after an 8×8 box average", |m| m.err_lowpass),
-    ("relMSE", "mean of e²/(ref² + 0.01)", |m| m.rel_mse),
-    ("Flicker", "mean of (e_t − e_{t−1})²/tvi", |m| m.flicker),
-];
-
-/// The measures that a report has: flicker needs frames.
-fn measures(report: &Report) -> &'static [Measure] {
-    if report.frames.is_empty() { &MEASURES[..3] } else { &MEASURES }
-}
 
 /// The page.
 ///
@@ -162,20 +149,4 @@ fn line(method: usize, rows: &[&Row], x: fn(&Row) -> f64, y: fn(&Measures) -> f6
         Point { x: x(row), y: y(&row.measures), error }
     };
     Line { colour: plot::colour(method), points: rows.iter().map(point).collect() }
-}
-
-/// The rows of each method in turn.
-fn methods<'a>(report: &'a Report) -> impl Iterator<Item = Vec<&'a Row>> {
-    report.rows.chunk_by(|a, b| a.method == b.method).map(|rows| rows.iter().collect())
-}
-
-/// A method's name beside its colour.
-fn named(method: usize, name: &str) -> String {
-    let (r, g, b) = plot::colour(method);
-    format!("<i class='swatch' style='background:rgb({r},{g},{b})'></i>{}", escape(name))
-}
-
-/// Text that a page shows as it is.
-fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

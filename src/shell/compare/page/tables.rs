@@ -1,10 +1,10 @@
 //! The numbers of a comparison as tables of a page.
 
-use super::super::Row;
+use super::super::data::Row;
+use super::super::digits::{number, significant};
 use super::super::ratio::Ratio;
 use super::super::report::Report;
-use super::super::table::{number, significant};
-use super::{Measure, measures as columns, methods, named};
+use super::methods::{Measure, measures as columns, methods, named};
 
 /// Columns of what was measured, after the method's.
 const HEADS: [&str; 10] = [

@@ -10,6 +10,7 @@ pub mod parts;
 pub use noise::{Noise, Source};
 
 use super::spread::Spread;
+use super::variant::Variant;
 use crate::animation::sequence;
 use crate::error::Error;
 use crate::frame::settings::{Method, Settings};
@@ -143,7 +144,7 @@ impl Reference {
         progress: &(dyn Fn(u64) + Sync),
     ) -> Result<Reference, Error> {
         let uniform = |spp| {
-            let mut uniform = super::Variant::from(Method::Uniform).settings(scene, settings, spp);
+            let mut uniform = Variant::from(Method::Uniform).settings(scene, settings, spp);
             uniform.sampler.frame = settings.sampler.frame;
             uniform
         };
