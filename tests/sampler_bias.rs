@@ -118,9 +118,9 @@ fn every_probability_keeps_its_energy() {
     for (p, spp, runs) in [(0.3, 16, 1000), (0.2, 8, 1000), (0.1, 16, 1000), (0.03, 64, 100)] {
         let iterations = spp.min(32) / 2;
         let pilot = spp / iterations;
-        let fair = pilot + (spp - pilot) / 3;
         let deviations = |seed: u32| {
-            let pmc = Settings { fair, ..Settings::new(32, 32) };
+            let pmc = Settings::new(32, 32).for_frame(pilot, spp);
+            let fair = pmc.fair.max(pilot);
             let uniform = Settings::uniform(32, 32);
             let schedule = Schedule::new(1024, spp, pilot, iterations);
             let found =

@@ -22,8 +22,8 @@ use std::path::Path;
 const SIDE: u32 = 48;
 const SPP: u32 = 16;
 const RUNS: u32 = 100;
-/// Fair samples of a pixel: two of the first iteration, and a third of the others.
-const FAIR: u32 = 6;
+/// Fair samples of a pixel.
+const FAIR: u32 = 4;
 
 fn energy<'a>(rgb: impl ExactSizeIterator<Item = &'a [f32; 3]>) -> f64 {
     let pixels = rgb.len() as f64;

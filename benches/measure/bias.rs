@@ -75,8 +75,8 @@ fn energies(function: Function, settings: Settings, schedule: Schedule, wanted: 
 fn biases(function: Function, sequence: Sequence, spp: u32, seed: u32) -> [f64; 2] {
     let iterations = (spp / 2).clamp(1, 16);
     let pilot = spp / iterations;
-    let fair = pilot + (spp - pilot) / 3;
-    let adaptive = Settings { seed, sequence, fair, ..Settings::new(SIDE, SIDE) };
+    let adaptive = Settings { seed, sequence, ..Settings::new(SIDE, SIDE) }.for_frame(pilot, spp);
+    let fair = adaptive.fair.max(pilot);
     let schedule = Schedule::new(PIXELS as u64, spp, pilot, iterations);
     let found = energies(function, adaptive, schedule, &[Estimator::Balanced, Estimator::Pooled]);
     let chance = match sequence {

@@ -33,8 +33,8 @@ fn variants(spp: u32) -> Vec<Variant> {
     for epsilon in [0.0, 0.05, 0.1] {
         add(format!("ε {epsilon}"), Box::new(move |s| s.sampler.epsilon = epsilon));
     }
-    for part in [0.125, 0.25, 0.5] {
-        add(format!("defensive {part}"), Box::new(move |s| s.sampler.defensive = part));
+    for fair in [2, 4, 8, 16, 32].into_iter().filter(|fair| fair * 2 <= spp) {
+        add(format!("{fair} fair samples"), Box::new(move |s| s.sampler.fair = fair));
     }
     for radius in [12, 24, 48] {
         add(format!("balance radius {radius}"), Box::new(move |s| s.sampler.balance_radius = radius));

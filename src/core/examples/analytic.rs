@@ -26,7 +26,7 @@ fn main() -> Result<(), Error> {
     // `Sampler::required(WIDTH, HEIGHT)` says how much to lend.
     let (mut floats, mut words) = ([0.0; 8 * PIXELS], [0; 4 * PIXELS]);
     let memory = Memory { floats: &mut floats, words: &mut words };
-    let mut sampler = Sampler::new(Settings::new(WIDTH, HEIGHT), memory)?;
+    let mut sampler = Sampler::new(Settings::new(WIDTH, HEIGHT).for_frame(2, 16), memory)?;
 
     let (mut batches, mut radiance) = ([Batch8::default(); 64], [Rgb8::default(); 64]);
     let mut work = Workspace::new(&mut batches, &mut radiance)?;

@@ -17,7 +17,7 @@
 //!
 //! # fn main() -> Result<(), pmcip_core::sampler::Error> {
 //! let (mut floats, mut words) = ([0.0; 8 * 64], [0; 3 * 64]); // as Sampler::required(8, 8) says
-//! let mut sampler = Sampler::new(Settings::new(8, 8), Memory { floats: &mut floats, words: &mut words })?;
+//! let mut sampler = Sampler::new(Settings::new(8, 8).for_frame(2, 16), Memory { floats: &mut floats, words: &mut words })?;
 //! let (mut batches, mut radiance) = ([Batch8::default(); 16], [Rgb8::default(); 16]);
 //! let mut work = Workspace::new(&mut batches, &mut radiance)?;
 //! for samples in Schedule::new(64, 16, 2, 8) {

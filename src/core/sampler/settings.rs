@@ -52,21 +52,28 @@ pub struct Settings {
     pub gamma: f32,
     /// ε, the part given out uniformly, 0 to 1.
     pub epsilon: f32,
-    /// Part of an iteration's samples that is promised to every pixel alike, whatever has been seen, 0 to 1.
+    /// Part of an iteration's samples that is promised to every pixel alike, whatever has been seen, until it has its fair
+    /// samples, 0 to 1.
     pub defensive: f32,
     /// Fair samples of a pixel: its first ones, of which the estimators `difference` and `balanced` take their energy, and
     /// whose noise that has. More than the part `defensive` of the frame's samples and the first iteration are not
     /// promised in time, and an estimate with fewer is as biased as `pooled`. At least those of the first iteration: 0 if
-    /// nothing is known of what follows.
+    /// nothing is known of what follows, else see [`for_frame`](Self::for_frame).
     pub fair: u32,
     /// Radius r in pixels of the balanced estimator's three boxes: σ² is about r(r + 1), and at least 16, as it works on
     /// cells of 8 × 8 pixels.
     pub balance_radius: u32,
 }
 
+/// Fair samples of a pixel, where there are twice as many in all.
+const LEAST_FAIR: u32 = 4;
+/// Samples a pixel that are promised beyond the fair ones, so that none is lost to rounding.
+const SPARE: f32 = 0.01;
+
 impl Settings {
-    /// The defaults, found by measurement: variance of the mean, γ 0.8, binomial window, ε 0.01, a third of
-    /// the samples promised, balanced with σ 96.5 pixels.
+    /// The defaults, found by measurement: variance of the mean, γ 0.8, binomial window, ε 0.01, balanced with σ 96.5
+    /// pixels. A third of the samples are promised until every pixel has its fair ones, of which none are fixed yet: see
+    /// [`for_frame`](Self::for_frame).
     pub fn new(width: u32, height: u32) -> Settings {
         Settings {
             width,
@@ -97,6 +104,21 @@ impl Settings {
             defensive: 0.0,
             ..Settings::new(width, height)
         }
+    }
+
+    /// Fixes the fair samples of a frame of `spp` samples a pixel, `pilot` of them in the first iteration: as many as
+    /// [`fair`](Self::fair) says, or if that is 0 the power of two up to a quarter, four if there are eight in all. Points
+    /// of a Sobol sequence are best in such numbers; more make the energy less noisy and the picture noisier, see
+    /// [`defaults`](super#how-the-defaults-were-chosen). Promises just what that takes, or nothing where
+    /// [`defensive`](Self::defensive) is 0.
+    pub fn for_frame(self, pilot: u32, spp: u32) -> Settings {
+        if self.defensive == 0.0 || spp <= pilot {
+            return self;
+        }
+        let quarter = (spp / 4).max(LEAST_FAIR.min(spp / 2)).max(1);
+        let fair = if self.fair > 0 { self.fair } else { 1 << quarter.ilog2() }.clamp(pilot, spp);
+        let defensive = ((fair - pilot) as f32 + SPARE) / (spp - pilot) as f32;
+        Settings { fair, defensive: defensive.min(1.0), ..self }
     }
 
     /// The same number of samples everywhere.

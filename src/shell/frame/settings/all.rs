@@ -81,15 +81,13 @@ impl Settings {
         }
     }
 
-    /// The core's settings for a frame whose first iteration has `pilot` samples a pixel: as many samples are fair as every
-    /// pixel is promised before the frame can end.
+    /// The core's settings for a frame whose first iteration has `pilot` samples a pixel.
     fn core(&self, pilot: u32) -> sampler::Settings {
-        let (pilot, least) = match self.target {
-            Some(_) => (PILOT_SPP.min(pilot), self.spp.min(LEAST_SPP as u32)),
-            None => (pilot, self.spp),
-        };
-        let promised = self.sampler.defensive * least.saturating_sub(pilot) as f32;
-        sampler::Settings { fair: pilot + promised as u32, ..self.sampler }
+        match self.target {
+            // Nobody knows how long the frame will be, but it has no less than these.
+            Some(_) => self.sampler.for_frame(PILOT_SPP.min(pilot), self.spp.min(LEAST_SPP as u32)),
+            None => self.sampler.for_frame(pilot, self.spp),
+        }
     }
 
     /// The core's settings for a frame.
