@@ -203,6 +203,21 @@ fn arrows_in_the_shell_point_down() {
     check("pmcip", "src/shell", &["command", "compare", "animation", "frame", "picture", "scene", "error"]);
 }
 
+/// What CONTRIBUTING.md says of where things are.
+#[test]
+fn everything_is_where_the_contributors_page_says() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let page = fs::read_to_string(root.join("CONTRIBUTING.md")).unwrap();
+    let mut found = 0;
+    for row in page.lines().filter(|line| line.starts_with("| w")) {
+        let cells: Vec<&str> = row.split('|').map(|cell| cell.trim().trim_matches('`')).collect();
+        let text = fs::read_to_string(root.join(cells[2])).unwrap_or_else(|e| panic!("{}: {e}", cells[2]));
+        assert!(text.contains(cells[3]), "{} is not in {}", cells[3], cells[2]);
+        found += 1;
+    }
+    assert!(found >= 6, "the page answers {found} questions");
+}
+
 /// The check itself: a circle and an upward arrow are found.
 #[test]
 fn circles_are_noticed() {

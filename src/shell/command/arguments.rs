@@ -58,9 +58,9 @@ pub struct Render {
     /// Power of the kernel's weights: 0 is uniform, 1/2 least error, 1 evenest error [default: the sampler's]
     #[arg(long, value_name = "G", value_parser = gamma, allow_negative_numbers = true)]
     pub gamma: Option<f32>,
-    /// Brightness of the PNG in stops: each doubles it
-    #[arg(long, value_name = "EV", default_value_t = 0.0, allow_hyphen_values = true, value_parser = finite)]
-    pub exposure: f32,
+    /// Brightness of the PNG in stops: each doubles it [default: the scene's, or 0]
+    #[arg(long, value_name = "EV", allow_hyphen_values = true, value_parser = finite)]
+    pub exposure: Option<f32>,
     /// Estimated perceptual error (Err) below which a frame ends, with --spp samples per pixel at most
     #[arg(long, value_name = "E", value_parser = positive, allow_negative_numbers = true, conflicts_with = "iterations")]
     pub target_err: Option<f32>,

@@ -153,13 +153,18 @@ impl Sequence<'_> {
         look(self.animation.scene(), &settings, &self.arguments.common)
     }
 
+    /// Brightness of the PNGs in stops.
+    fn exposure(&self) -> f32 {
+        self.arguments.exposure.unwrap_or(self.animation.scene().exposure)
+    }
+
     /// Passes over a frame that is complete; its PNG follows the exposure asked for now. What its samples were like is
     /// not on disk: the next frame starts uniformly.
     fn keep(&mut self, frame: u32) -> Result<(), Failure> {
         self.predictor.forget();
         let files = self.files(frame);
         let picture = frame_io::read_exr(&files[0]).map_err(failed)?;
-        frame_io::write_png(&files[1], &picture, self.arguments.exposure).map_err(failed)?;
+        frame_io::write_png(&files[1], &picture, self.exposure()).map_err(failed)?;
         let spent = picture.attributes.get("spent_spp").and_then(|spp| spp.parse::<f64>().ok());
         self.spent_spp = spent.map(|spp| spp as u32);
         self.total.kept += 1;
@@ -179,7 +184,7 @@ impl Sequence<'_> {
         picture.attributes.extend(attributes);
         let files = self.files(frame);
         // The PNG first: where the EXR is, all of the frame is.
-        frame_io::write_png(&files[1], &picture, self.arguments.exposure).map_err(failed)?;
+        frame_io::write_png(&files[1], &picture, self.exposure()).map_err(failed)?;
         frame_io::write_exr(&files[0], &picture).map_err(failed)?;
         let rendered = Some(Rendered::new(scene, &settings, &done, &files));
         self.print(&Line { frame, kept: false, rebuild_seconds, files: &files, rendered });

@@ -18,7 +18,7 @@ pub fn render_frame(arguments: &Render) -> Result<(), Failure> {
     let frame = work(&scene, &settings, &arguments.common)?;
     let picture = frame.picture(&settings, &scene);
     frame_io::write_exr(&exr, &picture).map_err(failed)?;
-    frame_io::write_png(&png, &picture, arguments.exposure).map_err(failed)?;
+    frame_io::write_png(&png, &picture, arguments.exposure.unwrap_or(scene.exposure)).map_err(failed)?;
     let files = [exr, png];
     let report = Rendered::new(&scene, &settings, &frame, &files);
     print(&arguments.common, arguments.json, &report);

@@ -23,6 +23,7 @@ pub(super) struct Shot {
     pub width: u32,
     pub height: u32,
     pub cd_per_unit: f32,
+    pub exposure: f32,
     pub spp: Option<u32>,
     pub max_depth: Option<u32>,
     /// Whether a scene without light gets one.
@@ -36,6 +37,7 @@ impl Default for Shot {
             width: 512,
             height: 512,
             cd_per_unit: 100.0,
+            exposure: 0.0,
             spp: None,
             max_depth: None,
             soft_box: false,
@@ -111,6 +113,7 @@ impl Assembly {
             width: shot.width,
             height: shot.height,
             cd_per_unit: shot.cd_per_unit,
+            exposure: shot.exposure,
             spp: shot.spp,
             max_depth: shot.max_depth,
             warnings: self.warnings,

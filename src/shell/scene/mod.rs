@@ -16,6 +16,7 @@
 //! width = 512
 //! height = 512
 //! cd_per_unit = 100.0         # luminance in cd/m² of radiance 1
+//! exposure = 0.0              # brightness of the PNG in stops, where the command line does not say
 //!
 //! [render]                    # optional defaults for the command line
 //! spp = 64

@@ -69,6 +69,8 @@ pub struct LoadedScene {
     pub height: u32,
     /// Luminance in cd/m² of radiance 1.
     pub cd_per_unit: f32,
+    /// Brightness of its pictures for the eye in stops: each doubles it.
+    pub exposure: f32,
     /// Samples a pixel that the scene asks for.
     pub spp: Option<u32>,
     /// Path depth that the scene asks for.

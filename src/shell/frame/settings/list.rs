@@ -144,7 +144,7 @@ mod tests {
 
     #[test]
     fn every_setting_shows_in_the_list() {
-        let changes: [fn(&mut Settings); 29] = [
+        let changes: [fn(&mut Settings); 30] = [
             |s| s.spp = 17,
             |s| s.iterations = 9,
             |s| s.method = Method::Paper,
@@ -160,7 +160,8 @@ mod tests {
             |s| s.sampler.window = Window::Pixel,
             |s| s.sampler.gamma = 0.800_000_1,
             |s| s.sampler.epsilon = 0.02,
-            |s| s.sampler.defensive = 1.0,
+            |s| s.sampler.defensive = 0.0,
+            |s| s.sampler.fair = 8,
             |s| s.sampler.balance_radius = 3,
             |s| s.integrator = Integrator::Direct { light_samples: 8, bsdf_samples: 8 },
             |s| s.integrator = Integrator::Direct { light_samples: 9, bsdf_samples: 8 },

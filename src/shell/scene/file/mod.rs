@@ -124,6 +124,7 @@ impl SceneFile {
             width: self.film.width.map_or(default.width, |v| v.0),
             height: self.film.height.map_or(default.height, |v| v.0),
             cd_per_unit: self.film.cd_per_unit.map_or(default.cd_per_unit, |v| v.0),
+            exposure: self.film.exposure.map_or(default.exposure, |v| v.0),
             spp: self.render.spp.map(Into::into),
             max_depth: self.render.max_depth.map(Into::into),
             soft_box: false,

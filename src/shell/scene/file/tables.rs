@@ -2,7 +2,7 @@
 
 use super::keys::{CameraKey, Keys, LightKey, MaterialKey, MeshKey, SphereKey};
 use super::value::{
-    FieldOfView, Point, Positive, Power, Radiance, Reflectance, Roughness, Scale, Size, Subdivisions,
+    Exposure, FieldOfView, Point, Positive, Power, Radiance, Reflectance, Roughness, Scale, Size, Subdivisions,
 };
 use crate::scene::track::Interpolation;
 use serde::Deserialize;
@@ -35,6 +35,7 @@ pub(super) struct FilmTable {
     pub width: Option<Size>,
     pub height: Option<Size>,
     pub cd_per_unit: Option<Positive>,
+    pub exposure: Option<Exposure>,
 }
 
 #[derive(Default, Deserialize)]

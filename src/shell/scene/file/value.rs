@@ -31,6 +31,10 @@ checked!(
     Positive(f32), "a finite number above 0", |v| v.is_finite() && *v > 0.0
 );
 checked!(
+    /// Brightness of a picture in stops.
+    Exposure(f32), "a finite number of stops", |v| v.is_finite()
+);
+checked!(
     /// A factor that may be 0.
     Power(f32), "a finite number, not below 0", |v| v.is_finite() && *v >= 0.0
 );
