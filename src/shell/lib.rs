@@ -1,13 +1,14 @@
-//! The std shell around `pmcip-core`: scenes, frames, reports, command line.
+//! The std shell around `pmcip-core`: scenes, frames, reports. The program `pmcip` puts a command line before this.
 //!
-//! A scene on disk becomes arrays ([`scene`]), a trial picture tells whether the camera sees any light ([`probe`]),
-//! the core renders them on all threads ([`render`]) as the
-//! [`settings`] say, until their samples are spent or it is good enough ([`stop`]), and the frame goes to disk as EXR and PNG ([`frame_io`], through [`mod@output`], which never
-//! leaves half a file) or is measured against a reference ([`metrics`]); [`compare`] does so for many methods and
-//! reports. An animation is a sequence of such frames ([`sequence`]; [`motion`] tells where
-//! a pixel was a frame ago, [`predict`] lets a frame learn from those before), and a [`video`] for people. Pictures made by earlier programs are known by their [`version`].
-//! The program `pmcip` puts a command line before this and adds nothing to it. The formulas of sampling and
-//! shading are all in the core.
+//! Rooms, each of which knows only those after it:
+//!
+//! * [`compare`] – speed against error: methods measured against a reference, and the report;
+//! * [`animation`] – frames in a row: what is kept, what a frame learns from those before it, motion, video;
+//! * [`frame`] – one frame: [`Settings`](frame::settings::Settings) in, [`Frame`](frame::render::Frame) out, on all threads;
+//! * [`picture`] – EXR and PNG, errors against a reference, files that appear whole or not at all;
+//! * [`scene`] – a scene on disk becomes the arrays that the core borrows.
+//!
+//! [`error`] is what can go wrong in all of them. The formulas of sampling and shading are in the core.
 
 pub mod animation;
 pub mod compare;

@@ -7,7 +7,7 @@
 //! keeps the reference from one comparison to the next.
 //!
 //! Seconds are wall time of the render, without loading the scene, measuring and writing; a row has the median of
-//! its runs, and the mean of the errors. Errors are in the units of [`metrics`].
+//! its runs, and the mean of the errors. Errors are in the units of [`metrics`](crate::picture::metrics).
 //!
 //! What is rendered, a [`Stage`], is a still picture or the frames of an animation. Of frames there are curves and one
 //! measure more, flicker; a row then has the means over all frames.

@@ -15,7 +15,7 @@
 //!
 //! # Calibration
 //!
-//! `cargo run --release --example target -- 24 48 4096`: means of 24 frames of 48×48 pixels, estimated over true Err, at
+//! `cargo run --release -p measure -- target 24 48 4096`: means of 24 frames of 48×48 pixels, estimated over true Err, at
 //! fixed lengths and where a target has stopped the frame (`caustic` was measured with films kept at other moments):
 //!
 //! | samples a pixel | 8 | 16 | 32 | 64 | stopped at 13–25 | stopped at 33–47 |

@@ -53,7 +53,7 @@ pub enum Error {
     Size,
     /// A setting is out of its range.
     Settings,
-    /// Less scratch than [`required`].
+    /// Less scratch than [`required`](super::required).
     Scratch,
 }
 

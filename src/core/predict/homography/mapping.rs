@@ -63,7 +63,7 @@ pub enum Error {
     Coordinate,
     /// The threshold is not a positive number, or the confidence not in 0 … 1.
     Settings,
-    /// Less scratch than [`required`].
+    /// Less scratch than [`required`](super::required).
     Scratch,
     /// Points coincide or lie on a line, so that no homography is determined.
     Degenerate,

@@ -80,7 +80,7 @@ impl Node8 {
 pub struct Leaf8 {
     /// Coordinates by corner, axis and triangle; NaN, which nothing hits, where there is no triangle.
     pub(crate) corners: [[[f32; 8]; 3]; 3],
-    /// Index of the first triangle in [`SceneData::triangles`]; the others follow.
+    /// Index of the first triangle in [`SceneData::triangles`](crate::tracer::scene::SceneData::triangles); the others follow.
     pub(crate) first: u32,
 }
 

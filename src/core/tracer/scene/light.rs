@@ -7,7 +7,7 @@ use crate::maths::vec3;
 /// An emitting triangle, its place in the table that picks one by power, and its place in the light tree.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Light {
-    /// Index into [`SceneData::triangles`].
+    /// Index into [`SceneData::triangles`](crate::tracer::scene::SceneData::triangles).
     pub triangle: u32,
     /// Probability that a light before this one, or this one, is picked; 1 for the last.
     pub cumulative: f32,

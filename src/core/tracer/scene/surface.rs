@@ -21,7 +21,7 @@ pub struct Surface {
     pub normals: [[f32; 3]; 3],
     /// Texture coordinates at the corners, `v` growing upwards as in OBJ.
     pub uv: [[f32; 2]; 3],
-    /// Index into [`SceneData::materials`].
+    /// Index into [`SceneData::materials`](crate::tracer::scene::SceneData::materials).
     pub material: u32,
 }
 
@@ -51,7 +51,7 @@ pub struct Material {
     pub diffuse: [f32; 3],
     /// How it scatters.
     pub scattering: Scattering,
-    /// Index into [`SceneData::textures`] or [`NO_TEXTURE`].
+    /// Index into [`SceneData::textures`](crate::tracer::scene::SceneData::textures) or [`NO_TEXTURE`].
     pub texture: u32,
     /// Specular reflectance at normal incidence (rough), tint (mirror, dielectric), 0 to 1 a channel.
     pub specular: [f32; 3],
@@ -78,7 +78,7 @@ impl Default for Material {
     }
 }
 
-/// A rectangle of texels in [`SceneData::texels`], row by row from the top, repeated over the plane.
+/// A rectangle of texels in [`SceneData::texels`](crate::tracer::scene::SceneData::texels), row by row from the top, repeated over the plane.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Texture {
     /// Texels in a row, at least 1.

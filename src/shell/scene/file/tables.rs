@@ -2,7 +2,8 @@
 
 use super::keys::{CameraKey, Keys, LightKey, MaterialKey, MeshKey, SphereKey};
 use super::value::{
-    Exposure, FieldOfView, Point, Positive, Power, Radiance, Reflectance, Roughness, Scale, Size, Subdivisions,
+    Exposure, FieldOfView, Point, Positive, Power, Radiance, Reflectance, Roughness, Scale, Size,
+    Subdivisions,
 };
 use crate::scene::track::Interpolation;
 use serde::Deserialize;

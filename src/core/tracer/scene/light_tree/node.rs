@@ -19,7 +19,7 @@ pub struct LightNode8 {
     pub cosine: [f32; 8],
     /// Shares of the power (luminance times area) of all lights, above 0. 0: the child is not there.
     pub power: [f32; 8],
-    /// For a group of one light [`LIGHT_LEAF`] plus its index in [`SceneData::lights`]; else the index of the
+    /// For a group of one light [`LIGHT_LEAF`] plus its index in [`SceneData::lights`](crate::tracer::scene::SceneData::lights); else the index of the
     /// group's node, which is above this node's own.
     pub child: [u32; 8],
 }
@@ -27,7 +27,7 @@ pub struct LightNode8 {
 /// What tells a single light from a group in [`LightNode8::child`].
 pub const LIGHT_LEAF: u32 = 1 << 31;
 
-/// Levels of nodes a light tree may have: [`Light::path`] has room for no more.
+/// Levels of nodes a light tree may have: [`Light::path`](crate::tracer::scene::Light::path) has room for no more.
 pub const MAX_LIGHT_DEPTH: u32 = 10;
 
 /// Which child a path takes at a level.
