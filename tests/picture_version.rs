@@ -4,7 +4,7 @@
 //! Small pictures, of every kind of material, integrator, sampler and start of a frame, are hashed bit by bit and
 //! compared with `tests/picture_version.txt`. When this fails on purpose:
 //!
-//! 1. raise `PICTURE_VERSION` in `src/shell/version.rs`, unless it is higher already than in the text file;
+//! 1. raise `PICTURE_VERSION` in `src/shell/frame/version.rs`, unless it is higher already than in the text file;
 //! 2. record the new hashes: `PMCIP_RECORD=1 cargo test --test picture_version`.
 //!
 //! Recording refuses changed bits under an unchanged number, so that neither step can be left out. A picture that is new
@@ -166,7 +166,7 @@ fn changed_pictures_have_another_version() {
         }
         Demand::Record => panic!("new pictures or a new number: {record}; they are\n{}", format(&now)),
         Demand::Raise(changed) => panic!(
-            "the picture changed: raise PICTURE_VERSION in src/shell/version.rs above {} and {record}; changed are {}",
+            "the picture changed: raise PICTURE_VERSION in src/shell/frame/version.rs above {} and {record}; changed are {}",
             recorded.0,
             changed.join(", ")
         ),

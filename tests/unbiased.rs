@@ -23,7 +23,7 @@ const SIDE: u32 = 48;
 const SPP: u32 = 16;
 const RUNS: u32 = 100;
 /// Fair samples of a pixel.
-const FAIR: u32 = 4;
+const FAIR: u32 = 8;
 
 fn energy<'a>(rgb: impl ExactSizeIterator<Item = &'a [f32; 3]>) -> f64 {
     let pixels = rgb.len() as f64;

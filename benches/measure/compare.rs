@@ -16,14 +16,18 @@ pub fn run(arguments: &[String]) {
     let report = std::fs::read(folder.path().join("report.json")).expect("a report");
     let report: Value = serde_json::from_slice(&report).expect("a report is JSON");
     let rows = report["rows"].as_array().expect("rows");
-    println!("| method | spp | s | Err | Err ÷ | low-pass Err ÷ | Err ÷, equal time | energy |");
-    println!("| --- | --- | --- | --- | --- | --- | --- | --- |");
+    // Only frames flicker.
+    let flickers = rows.iter().any(|row| row["flicker"].is_number());
+    let (title, rule) = if flickers { (" flicker ÷ |", " --- |") } else { ("", "") };
+    println!("| method | spp | s | Err | Err ÷ | low-pass Err ÷ | P-Eff, ÷ uniform | energy |{title}");
+    println!("| --- | --- | --- | --- | --- | --- | --- | --- |{rule}");
     for row in rows {
         let number = |name: &str| row[name].as_f64().unwrap_or(f64::NAN);
         let uniform = rows.iter().find(|other| other["method"] == "uniform" && other["spp"] == row["spp"]);
         let ratio = |name: &str| uniform.and_then(|u| u[name].as_f64()).unwrap_or(f64::NAN) / number(name);
+        let flicker = if flickers { format!(" {:.2} |", ratio("flicker")) } else { String::new() };
         println!(
-            "| {} | {} | {:.2} | {:.3} | {:.2} | {:.2} | {:.2} | {:+.2} % ± {:.2} |",
+            "| {} | {} | {:.2} | {:.3} | {:.2} | {:.2} | {:.2} | {:+.2} % ± {:.2} |{flicker}",
             row["method"].as_str().expect("a method"),
             number("spp"),
             number("seconds"),

@@ -50,11 +50,18 @@ fn measure(problems: &[Problem], threshold: f64) {
         .map(|(problem, fit)| pairs::corner_error(&problem.truth, fit.as_ref().ok().map(|f| &f.homography)))
         .collect();
     let iterations = fits.iter().flatten().map(|f| f64::from(f.iterations)).sum::<f64>();
-    println!("problems          {}", problems.len());
-    println!("without a result  {}", fits.iter().filter(|fit| fit.is_err()).count());
-    println!("beyond 5 px       {}", errors.iter().filter(|e| **e > 5.0).count());
-    println!("mean corner error {:.4} px", pairs::mean(&errors));
-    println!("area up to 5 px   {:.4}", pairs::area(&errors));
-    println!("samples           {:.0}", iterations / problems.len() as f64);
-    println!("time of a fit     {:.1} µs", 1e6 * seconds[2]);
+    println!(
+        "| problems | without a result | beyond 5 px | mean corner error, px | area up to 5 px | samples | µs |"
+    );
+    println!("| --- | --- | --- | --- | --- | --- | --- |");
+    println!(
+        "| {} | {} | {} | {:.4} | {:.4} | {:.0} | {:.1} |",
+        problems.len(),
+        fits.iter().filter(|fit| fit.is_err()).count(),
+        errors.iter().filter(|e| **e > 5.0).count(),
+        pairs::mean(&errors),
+        pairs::area(&errors),
+        iterations / problems.len() as f64,
+        1e6 * seconds[2]
+    );
 }

@@ -19,7 +19,8 @@ const RUNS: u32 = 5;
 /// Prints the table.
 pub fn run(arguments: &[String]) {
     let direct = arguments.iter().any(|argument| argument == "direct");
-    println!("lamps  picked by   MSE        seconds  MSE ÷ tree's  at equal time");
+    println!("| lamps | picked by | MSE | seconds | MSE, ÷ tree | at equal time |");
+    println!("| --- | --- | --- | --- | --- | --- |");
     for lamps in [1, 10, 1000] {
         let tree = room(lamps);
         let mut power = tree.clone();
@@ -40,7 +41,7 @@ pub fn run(arguments: &[String]) {
         let best = measured[0];
         for (name, error, seconds) in measured {
             let (ratio, equal_time) = (error / best.1, error * seconds / (best.1 * best.2));
-            println!("{lamps:<6} {name:<10} {error:<10.3e} {seconds:<8.3} {ratio:<13.2} {equal_time:.2}");
+            println!("| {lamps} | {name} | {error:.3e} | {seconds:.3} | {ratio:.2} | {equal_time:.2} |");
         }
     }
 }

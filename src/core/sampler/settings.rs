@@ -65,6 +65,8 @@ pub struct Settings {
     pub balance_radius: u32,
 }
 
+/// Pixels from which on a quarter of the samples are enough for the energy.
+const SMALL: u64 = 1 << 16;
 /// Fair samples of a pixel, where there are twice as many in all.
 const LEAST_FAIR: u32 = 4;
 /// Samples a pixel that are promised beyond the fair ones, so that none is lost to rounding.
@@ -107,16 +109,19 @@ impl Settings {
     }
 
     /// Fixes the fair samples of a frame of `spp` samples a pixel, `pilot` of them in the first iteration: as many as
-    /// [`fair`](Self::fair) says, or if that is 0 the power of two up to a quarter, four if there are eight in all. Points
-    /// of a Sobol sequence are best in such numbers; more make the energy less noisy and the picture noisier, see
+    /// [`fair`](Self::fair) says, or if that is 0 the power of two up to a quarter, up to half in a picture of less than
+    /// 2¹⁶ pixels, where neighbourhoods are small; four if there are eight in all. Points of a Sobol sequence are best in
+    /// such numbers; more make the energy less noisy and the picture noisier, see
     /// [`defaults`](super#how-the-defaults-were-chosen). Promises just what that takes, or nothing where
     /// [`defensive`](Self::defensive) is 0.
     pub fn for_frame(self, pilot: u32, spp: u32) -> Settings {
         if self.defensive == 0.0 || spp <= pilot {
             return self;
         }
-        let quarter = (spp / 4).max(LEAST_FAIR.min(spp / 2)).max(1);
-        let fair = if self.fair > 0 { self.fair } else { 1 << quarter.ilog2() }.clamp(pilot, spp);
+        let pixels = u64::from(self.width) * u64::from(self.height);
+        let part = if pixels < SMALL { spp / 2 } else { spp / 4 };
+        let part = part.max(LEAST_FAIR.min(spp / 2)).max(1);
+        let fair = if self.fair > 0 { self.fair } else { 1 << part.ilog2() }.clamp(pilot, spp);
         let defensive = ((fair - pilot) as f32 + SPARE) / (spp - pilot) as f32;
         Settings { fair, defensive: defensive.min(1.0), ..self }
     }
