@@ -189,9 +189,10 @@ pub fn render_while(
 ) -> Result<Frame, Error> {
     let start = Instant::now();
     let pool = start_threads(threads)?;
-    let photons = shoot(scene, settings, pool.as_ref())?;
+    let view = Scene::new(scene.data()).map_err(setting)?;
+    let photons = shoot(view, settings, pool.as_ref())?;
     let maps = photons.as_ref().map(Photons::maps).transpose()?;
-    let crew = Crew::new(scene, settings, maps, pool)?;
+    let crew = Crew::new(view, settings, maps, pool)?;
     let (width, height) = (settings.sampler.width, settings.sampler.height);
     let required = Sampler::required(width, height);
     let (mut floats, mut words) = (zeros(required.floats)?, zeros(required.words)?);
@@ -221,15 +222,11 @@ pub fn render_while(
 }
 
 /// The photon maps that the integrator needs.
-fn shoot(
-    scene: &LoadedScene,
-    settings: &Settings,
-    pool: Option<&ThreadPool>,
-) -> Result<Option<Photons>, Error> {
+fn shoot(scene: Scene<'_>, settings: &Settings, pool: Option<&ThreadPool>) -> Result<Option<Photons>, Error> {
     let Integrator::Gather { photons, photon_seed } = settings.integrator else { return Ok(None) };
     let (max_depth, frame) = (settings.max_depth, settings.sampler.frame);
     let order = Order { photons, max_depth, seed: photon_seed, frame };
-    Photons::shoot(Scene::new(scene.data()).map_err(setting)?, &order, pool).map(Some)
+    Photons::shoot(scene, &order, pool).map(Some)
 }
 
 /// Fetches the film's planes.

@@ -3,7 +3,6 @@
 use super::memory::{lock, setting};
 use super::settings::{Integrator, Settings};
 use crate::error::Error;
-use crate::scene::LoadedScene;
 use pmcip_core::sampler::batch::{Batch8, Integrand, Rgb8};
 use pmcip_core::sampler::{Jobs, Workspace};
 use pmcip_core::tracer::camera::Camera;
@@ -47,7 +46,7 @@ struct Worker {
 
 impl<'a> Crew<'a> {
     pub fn new(
-        scene: &'a LoadedScene,
+        scene: Scene<'a>,
         settings: &Settings,
         maps: Option<Maps<'a>>,
         pool: Option<ThreadPool>,
@@ -57,7 +56,6 @@ impl<'a> Crew<'a> {
         let camera = Camera::new(view.from, view.at, view.up, view.fov, width, height).map_err(setting)?;
         let count = pool.as_ref().map_or(1, ThreadPool::current_num_threads);
         let workers = (0..count).map(|_| Mutex::new(Worker::new())).collect();
-        let scene = Scene::new(scene.data()).map_err(setting)?;
         Ok(Crew {
             scene,
             camera,

@@ -18,6 +18,9 @@ mod all;
 mod choices;
 mod list;
 
-pub use all::*;
+pub use all::{
+    DEFAULT_DEPTH, DEFAULT_LIGHT_SAMPLES, DEFAULT_PHOTONS, DEFAULT_SPP, MAX_DEPTH, MAX_LIGHT_SAMPLES,
+    MAX_PHOTONS, Settings,
+};
 pub use choices::{Estimate, Integrator, Method, Startup};
 pub use list::word;
