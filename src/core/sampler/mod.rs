@@ -48,6 +48,7 @@ pub mod batch;
 pub mod estimate;
 mod fair;
 pub mod film;
+pub mod guide;
 mod job;
 pub mod kernel;
 mod schedule;

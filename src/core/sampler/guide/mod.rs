@@ -1,0 +1,40 @@
+//! Pictures that guide the estimator: any picture, put on the energy of the fair samples.
+
+use super::estimate::{self, Estimator, Lanes};
+use super::{Error, Sampler};
+
+impl Sampler<'_> {
+    /// Writes `guide`, given the energy that the fair samples have in every neighbourhood: linear RGB, row by row.
+    ///
+    /// `guide` is any picture F of this size, rows from the top: filtered samples, another denoiser's work, a blend with
+    /// earlier frames. C = F + a·G((D − F)/Gᵀa) sums to what D sums to, whatever F is (see [`estimate`]); with the mean of
+    /// all samples as F it is [`Estimator::Balanced`], bit by bit. Where a colour of F is not finite or beyond
+    /// [`MAX_RADIANCE`](crate::sampler::MAX_RADIANCE), the pixel's own mean stands in. Scratch as for
+    /// [`resolve`](Self::resolve).
+    ///
+    /// # Errors
+    /// If an iteration is running, the film has not accumulated for [`Estimator::Balanced`], or a slice has the wrong
+    /// length.
+    pub fn resolve_guided(
+        &self,
+        guide: &[[f32; 3]],
+        scratch: &mut [Lanes],
+        out: &mut [[f32; 3]],
+    ) -> Result<(), Error> {
+        let settings = self.settings();
+        self.at_rest()?;
+        if !settings.estimator.serves(Estimator::Balanced) {
+            return Err(Error::Estimator);
+        }
+        let needed = Self::resolve_scratch(settings.width, settings.height);
+        let scratch = scratch.get_mut(..needed).ok_or(Error::Scratch)?;
+        if guide.len() != self.layout.pixels() {
+            return Err(Error::Guide);
+        }
+        if out.len() != self.layout.pixels() {
+            return Err(Error::Output);
+        }
+        estimate::lent(&self.layout, &self.planes, guide, settings.balance_radius, scratch, out);
+        Ok(())
+    }
+}
