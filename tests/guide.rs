@@ -2,6 +2,7 @@
 
 use pmcip_core::sampler::batch::{Batch8, Integrand, Rgb8};
 use pmcip_core::sampler::estimate::Estimator;
+use pmcip_core::sampler::guide::{Band, Feature, Filter};
 use pmcip_core::sampler::{Error, Memory, Sampler, Schedule, Settings, Workspace};
 use proptest::prelude::*;
 use wide::f32x8;
@@ -18,8 +19,12 @@ impl Integrand for Sparks {
     }
 }
 
-/// Renders a film and hands it to `look`.
+/// Renders a film of [`Sparks`] and hands it to `look`.
 fn film<T>(settings: Settings, look: impl FnOnce(&Sampler<'_>) -> T) -> T {
+    film_of(&mut Sparks, settings, look)
+}
+
+fn film_of<T>(integrand: &mut impl Integrand, settings: Settings, look: impl FnOnce(&Sampler<'_>) -> T) -> T {
     let required = Sampler::required(settings.width, settings.height);
     let (mut floats, mut words) = (vec![0.0; required.floats], vec![0; required.words]);
     let memory = Memory { floats: &mut floats, words: &mut words };
@@ -29,7 +34,7 @@ fn film<T>(settings: Settings, look: impl FnOnce(&Sampler<'_>) -> T) -> T {
         let (mut batches, mut radiance) = (vec![Batch8::default(); 9], vec![Rgb8::default(); 9]);
         let mut work = Workspace::new(&mut batches, &mut radiance).unwrap();
         sampler.jobs().for_each(|mut job| {
-            job.render(&mut Sparks, &mut work);
+            job.render(integrand, &mut work);
         });
         sampler.end().unwrap();
     }
@@ -139,4 +144,84 @@ proptest! {
         let guide: Vec<[f32; 3]> = (0..width * height).map(|i| [0, 1, 2].map(|c| value(3 * i + c))).collect();
         film(Settings { seed, ..Settings::new(width, height) }, |sampler| check_energy(sampler, &guide));
     }
+}
+
+/// The film's guide, its bands taken in any order.
+fn filtered(sampler: &Sampler<'_>, features: &[Feature], backwards: bool) -> Vec<[f32; 3]> {
+    let (width, height) = (sampler.settings().width, sampler.settings().height);
+    let mut floats = vec![f32::NAN; Filter::required(width, height)];
+    let mut filter = Filter::new(sampler, features, &mut floats).unwrap();
+    for _ in 0..Filter::PASSES {
+        let mut bands: Vec<Band<'_>> = filter.bands().collect();
+        if backwards {
+            bands.reverse();
+        }
+        bands.into_iter().for_each(|mut band| band.filter());
+        filter.next();
+    }
+    assert_eq!(filter.bands().count(), 0);
+    let mut guide = vec![[0.0; 3]; width as usize * height as usize];
+    filter.write(&mut guide).unwrap();
+    guide
+}
+
+#[test]
+fn any_size_and_any_feature_filters_to_what_is_finite_and_keeps_the_energy() {
+    let odd = [0.0, 1.0, -3.0, f32::NAN, f32::INFINITY, f32::MAX, f32::MIN, 1e-40];
+    for (width, height) in [(1, 1), (2, 40), (65, 3), (37, 50), (130, 17)] {
+        film(Settings { seed: 9, ..Settings::new(width, height) }, |sampler| {
+            let pixels = (width * height) as usize;
+            let value = |i: usize| odd[(i * 7 + i / 5) % odd.len()];
+            let feature = |i: usize| Feature {
+                albedo: [0, 1, 2].map(|c| value(3 * i + c)),
+                normal: [0, 1, 2].map(|c| value(5 * i + c)),
+                depth: value(2 * i),
+            };
+            let wild: Vec<Feature> = (0..pixels).map(feature).collect();
+            for features in [&[][..], &vec![Feature::default(); pixels], &wild] {
+                let guide = filtered(sampler, features, false);
+                assert!(guide.as_flattened().iter().all(|v| v.is_finite()));
+                assert_eq!(guide, filtered(sampler, features, true));
+                check_energy(sampler, &guide);
+            }
+        });
+    }
+}
+
+/// Noise on a step: both sides become smooth, and the step stays.
+struct Step;
+
+impl Integrand for Step {
+    fn radiance(&mut self, batch: &Batch8) -> Rgb8 {
+        let (u, _) = batch.point(1);
+        let side = batch.x.simd_gt(f32x8::splat(32.0)).select(f32x8::splat(8.0), f32x8::ONE);
+        let value = side * (u + f32x8::HALF) * (u + f32x8::HALF);
+        Rgb8 { r: value, g: value, b: value }
+    }
+}
+
+#[test]
+fn noise_goes_and_edges_stay() {
+    film_of(&mut Step, Settings { seed: 1, ..Settings::new(64, 48) }, |sampler| {
+        let (mean, guide) = (resolved(sampler, Estimator::Pooled), filtered(sampler, &[], false));
+        let error = |picture: &[[f32; 3]]| -> f64 {
+            let truth = |i: usize| if i % 64 < 32 { 1.0 } else { 8.0 } * (26.0 / 24.0);
+            picture.iter().enumerate().map(|(i, rgb)| (f64::from(rgb[0]) / truth(i) - 1.0).powi(2)).sum()
+        };
+        assert!(error(&guide) < 0.05 * error(&mean), "{} of {}", error(&guide), error(&mean));
+    });
+}
+
+#[test]
+fn a_filter_refuses_what_does_not_fit() {
+    film(Settings::new(9, 9), |sampler| {
+        let mut floats = vec![0.0; Filter::required(9, 9)];
+        let refused = Filter::new(sampler, &[Feature::default(); 80], &mut floats).err();
+        assert_eq!(refused, Some(Error::Guide));
+        assert_eq!(Filter::new(sampler, &[], &mut floats[1..]).err(), Some(Error::Scratch));
+        let filter = Filter::new(sampler, &[], &mut floats).unwrap();
+        assert_eq!(filter.write(&mut [[0.0; 3]; 80]), Err(Error::Output));
+        let mut scratch = vec![[0.0; 16]; Sampler::resolve_scratch(9, 9)];
+        assert_eq!(sampler.resolve(Estimator::Guided, &mut scratch, &mut [0.0; 243]), Err(Error::Guide));
+    });
 }

@@ -6,12 +6,14 @@
 
 use crate::error::Error;
 use crate::frame_io::Picture;
+use crate::guide::{self, Sight};
 use crate::photons::{Order, Photons, Shot};
 use crate::predict::Predictor;
 use crate::scene::LoadedScene;
 use crate::settings::{Integrator, Settings};
 use crate::stop::{self, Judge};
 use pmcip_core::sampler::batch::{Batch8, Integrand, Rgb8};
+use pmcip_core::sampler::estimate::Estimator;
 use pmcip_core::sampler::{Jobs, Memory, Sampler, Tally, Workspace};
 use pmcip_core::tracer::camera::Camera;
 use pmcip_core::tracer::scene::Scene;
@@ -181,6 +183,10 @@ pub fn render_while(
     }
     predictor.end(&sampler)?;
     let mut frame = read_out(&sampler, settings)?;
+    if settings.sampler.estimator == Estimator::Guided {
+        let sight = Sight { scene: crew.scene, camera: crew.camera, max_depth: settings.max_depth };
+        guide::resolve(&sampler, sight, crew.pool.as_ref(), &mut frame.rgb)?;
+    }
     (frame.tally, frame.lane_occupancy) = (tally, crew.lane_occupancy());
     frame.photons = photons.as_ref().map(Photons::shot);
     (frame.threads, frame.seconds) = (crew.workers.len(), start.elapsed().as_secs_f64());
@@ -223,7 +229,10 @@ fn read_out(sampler: &Sampler<'_>, settings: &Settings) -> Result<Frame, Error> 
         estimated_err: None,
     };
     let mut scratch = zeros(Sampler::resolve_scratch(width, height))?;
-    let estimator = settings.sampler.estimator;
+    let estimator = match settings.sampler.estimator {
+        Estimator::Guided => Estimator::Balanced,
+        other => other,
+    };
     sampler.resolve(estimator, &mut scratch, frame.rgb.as_flattened_mut()).map_err(setting)?;
     sampler.variance(&mut frame.variance).map_err(setting)?;
     sampler.count(&mut frame.count).map_err(setting)?;

@@ -87,7 +87,9 @@ impl Context {
         match self.estimator {
             Estimator::Pooled => 0,
             Estimator::Subframe => planned,
-            Estimator::Difference | Estimator::Balanced => self.fair.among(planned, drawn),
+            Estimator::Difference | Estimator::Balanced | Estimator::Guided => {
+                self.fair.among(planned, drawn)
+            }
         }
     }
 

@@ -289,7 +289,8 @@ impl<'a> Sampler<'a> {
 
     /// Writes the picture: interleaved linear RGB, row by row.
     ///
-    /// Any estimator for which [`Settings::estimator`] [serves](Estimator::serves) may be asked for.
+    /// Any estimator for which [`Settings::estimator`] [serves](Estimator::serves) may be asked for, but for
+    /// [`Estimator::Guided`], which takes a picture: see [`resolve_guided`](Self::resolve_guided).
     ///
     /// # Errors
     /// If an iteration is running, the film has not accumulated for `estimator`, or `out` or `scratch` have the wrong
@@ -310,6 +311,7 @@ impl<'a> Sampler<'a> {
             Estimator::Pooled => estimate::plain(layout, &planes.mean, out),
             Estimator::Subframe | Estimator::Difference => estimate::plain(layout, &planes.fair, out),
             Estimator::Balanced => estimate::balanced(layout, planes, radius, scratch, out),
+            Estimator::Guided => return Err(Error::Guide),
         }
         Ok(())
     }

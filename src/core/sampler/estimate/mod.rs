@@ -40,6 +40,9 @@ pub enum Estimator {
     /// Pooled, with the energy it lost given back to the neighbourhood by `Difference`.
     #[default]
     Balanced,
+    /// A lent picture, with the energy it lost given back likewise: by
+    /// [`resolve_guided`](crate::sampler::Sampler::resolve_guided) alone.
+    Guided,
 }
 
 impl Estimator {
@@ -48,7 +51,7 @@ impl Estimator {
         let plane = |e| match e {
             Estimator::Pooled => 0,
             Estimator::Subframe => 1,
-            Estimator::Difference | Estimator::Balanced => 2,
+            Estimator::Difference | Estimator::Balanced | Estimator::Guided => 2,
         };
         other == Estimator::Pooled || plane(self) == plane(other)
     }

@@ -1,4 +1,13 @@
 //! Pictures that guide the estimator: any picture, put on the energy of the fair samples.
+//!
+//! [`Sampler::resolve_guided`] takes a picture from anywhere; [`Filter`] makes one of the film itself.
+
+mod average;
+mod feature;
+mod filter;
+mod rows;
+pub use feature::Feature;
+pub use filter::{Band, Filter};
 
 use super::estimate::{self, Estimator, Lanes};
 use super::{Error, Sampler};

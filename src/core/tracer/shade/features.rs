@@ -42,14 +42,14 @@ impl<'a> Features<'a> {
     }
 
     /// Writes the features of the leftmost pixels of row `y`, as many as there is room for.
-    pub fn row(&self, y: u32, out: &mut [Feature]) {
+    pub fn row(&mut self, y: u32, out: &mut [Feature]) {
         for (x, out) in (0..).zip(out) {
             *out = self.look(x, y).mean();
         }
     }
 
     /// Follows eight rays through a pixel.
-    fn look(&self, x: u32, y: u32) -> Seen {
+    fn look(&mut self, x: u32, y: u32) -> Seen {
         let mut paths = self.start(x, y);
         let (mut seen, mut alive) = (Seen::default(), f32x8::splat(f32::from_bits(u32::MAX)));
         for depth in 1..=self.max_depth {
@@ -108,27 +108,18 @@ impl Seen {
         self.normal = Vec3x8::select(surface.hit, surface.normal, self.normal);
     }
 
-    /// Means over the rays, and the variances of these.
+    /// Means over the rays.
     fn mean(&self) -> Feature {
-        let [r, g, b] = [self.albedo.x, self.albedo.y, self.albedo.z].map(moments);
-        let [x, y, z] = [self.normal.x, self.normal.y, self.normal.z].map(moments);
-        let depth = moments(self.depth);
         Feature {
-            albedo: [r.0, g.0, b.0],
-            normal: [x.0, y.0, z.0],
-            depth: depth.0,
-            albedo_variance: r.1.max(g.1).max(b.1),
-            normal_variance: x.1 + y.1 + z.1,
-            depth_variance: depth.1,
+            albedo: [self.albedo.x, self.albedo.y, self.albedo.z].map(mean),
+            normal: [self.normal.x, self.normal.y, self.normal.z].map(mean),
+            depth: mean(self.depth),
         }
     }
 }
 
-/// The mean of eight numbers and the variance of that mean, as if they were independent.
+/// The mean of eight numbers.
 #[inline(always)]
-fn moments(lanes: f32x8) -> (f32, f32) {
-    let lanes = lanes.to_array();
-    let mean = lanes.iter().sum::<f32>() / 8.0;
-    let square: f32 = lanes.iter().map(|v| (v - mean) * (v - mean)).sum();
-    (mean, square / 56.0)
+fn mean(lanes: f32x8) -> f32 {
+    lanes.to_array().iter().sum::<f32>() / 8.0
 }

@@ -5,9 +5,11 @@
 //! * `rough`, `specular` – the scattering functions;
 //! * `queue`, `shadow` – packets of paths and of shadow rays, kept full;
 //! * [`path`] – the path tracer; [`direct`] – direct lighting alone;
+//! * [`features`] – what is seen without light;
 //! * [`shoot`], [`gather`] – photons from the lights, and the integrator that looks them up.
 
 pub mod direct;
+pub mod features;
 mod fetch;
 pub mod gather;
 mod hit;
