@@ -37,9 +37,11 @@ pub fn resolve(
     rgb: &mut [[f32; 3]],
 ) -> Result<(), Error> {
     let features = features(sight, film.settings().width, rgb.len(), pool)?;
-    let guide = filtered(film, &features, pool)?;
+    let mut guide = filtered(film, &features, pool)?;
     let (width, height) = (film.settings().width, film.settings().height);
     let mut scratch = zeros(Sampler::resolve_scratch(width, height))?;
+    film.level(&guide, &mut scratch, rgb).map_err(setting)?;
+    guide.copy_from_slice(rgb);
     film.resolve_guided(&guide, &mut scratch, rgb).map_err(setting)
 }
 

@@ -10,6 +10,7 @@ use crate::maths::eight::{read_rgb8, read8, write_rgb8};
 use crate::sampler::MAX_RADIANCE;
 use crate::sampler::film::cell::{CELL, Cell};
 use crate::sampler::film::{Layout, Planes};
+use core::ops::Range;
 use wide::f32x8;
 
 /// What interpolation between cell centres takes from the cell before, from the one a pixel is in, and from the
@@ -44,6 +45,32 @@ pub(crate) fn plain(layout: &Layout, colours: &[&mut [f32]; 3], out: &mut [[f32;
     });
 }
 
+/// Whose energy a guide is given.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Energy {
+    /// That of the fair samples, over neighbourhoods of this radius.
+    Fair(u32),
+    /// That of all samples, over neighbourhoods of a cell and its interpolation alone.
+    All,
+}
+
+impl Energy {
+    #[inline(always)]
+    fn of(self, planes: &Planes<'_>, row: Range<usize>) -> [f32x8; 3] {
+        match self {
+            Energy::Fair(_) => planes.fair8(row),
+            Energy::All => planes.mean8(row),
+        }
+    }
+
+    fn radii(self) -> [u32; 3] {
+        match self {
+            Energy::Fair(radius) => radii(radius),
+            Energy::All => [0; 3],
+        }
+    }
+}
+
 /// Where the guide of a row of a cell is read.
 pub(crate) trait Guide: Fn(&Cell, usize) -> [f32x8; 3] {}
 impl<G: Fn(&Cell, usize) -> [f32x8; 3]> Guide for G {}
@@ -56,16 +83,17 @@ pub(crate) fn balanced(
     scratch: &mut [Lanes],
     out: &mut [[f32; 3]],
 ) {
-    guided(layout, planes, &|cell, dy| planes.mean8(cell.row(dy)), radius, scratch, out);
+    let mean = |cell: &Cell, dy: usize| planes.mean8(cell.row(dy));
+    guided(layout, planes, &mean, Energy::Fair(radius), scratch, out);
 }
 
-/// Writes `picture` (rows from the top), given the energy of the fair samples; where it is not finite or beyond
+/// Writes `picture` (rows from the top), given `energy`; where it is not finite or beyond
 /// [`MAX_RADIANCE`], the mean stands in.
 pub(crate) fn lent(
     layout: &Layout,
     planes: &Planes<'_>,
     picture: &[[f32; 3]],
-    radius: u32,
+    energy: Energy,
     scratch: &mut [Lanes],
     out: &mut [[f32; 3]],
 ) {
@@ -76,15 +104,15 @@ pub(crate) fn lent(
         let mean = planes.mean8(cell.row(dy));
         [0, 1, 2].map(|c| usable.select(lent[c], mean[c]))
     };
-    guided(layout, planes, &guide, radius, scratch, out);
+    guided(layout, planes, &guide, energy, scratch, out);
 }
 
-/// Writes `guide`, given the energy of the fair samples.
+/// Writes `guide`, given `energy`.
 fn guided(
     layout: &Layout,
     planes: &Planes<'_>,
     guide: &impl Guide,
-    radius: u32,
+    energy: Energy,
     scratch: &mut [Lanes],
     out: &mut [[f32; 3]],
 ) {
@@ -92,8 +120,8 @@ fn guided(
     let cells = size.0 * size.1;
     let (grids, lines) = scratch.split_at_mut((4 * cells).div_ceil(LANES));
     let (taken, excess) = grids.as_flattened_mut()[..4 * cells].split_at_mut(cells);
-    let radii = radii(radius);
-    gather(layout, planes, guide, taken, excess.as_chunks_mut().0);
+    let radii = energy.radii();
+    gather(layout, planes, guide, energy, taken, excess.as_chunks_mut().0);
     smooth::<1>(taken, size, radii, lines);
     for (excess, taken) in excess.as_chunks_mut::<3>().0.iter_mut().zip(taken) {
         // Where nobody takes anything, no sample was ever bright: there is nothing to spread.
@@ -129,6 +157,7 @@ fn gather(
     layout: &Layout,
     planes: &Planes<'_>,
     guide: &impl Guide,
+    energy: Energy,
     taken: &mut [f32],
     excess: &mut [[f32; 3]],
 ) {
@@ -138,12 +167,12 @@ fn gather(
         let mut lost = [f32x8::ZERO; 3];
         let mut takers = [f32x8::ZERO; 3];
         for dy in 0..cell.height {
-            let (guide, fair) = (guide(&cell, dy), planes.fair8(cell.row(dy)));
+            let (guide, whole) = (guide(&cell, dy), energy.of(planes, cell.row(dy)));
             let here = takes(guide, planes.mean8(cell.row(dy)));
             for (sum, near) in takers.iter_mut().zip(NEAR) {
                 *sum += here * f32x8::splat(near[dy]);
             }
-            (0..3).for_each(|c| lost[c] += fair[c] - guide[c]);
+            (0..3).for_each(|c| lost[c] += whole[c] - guide[c]);
         }
         excess[cell.y * columns + cell.x] = lost.map(sum);
         for (takers, y) in takers.iter().zip(around(cell.y, rows)) {

@@ -16,9 +16,9 @@ pub(super) const BLOCK_ROWS: usize = 16;
 /// Columns of a block.
 const BLOCK: usize = 64;
 /// Largest radius of a patch.
-const MAX_PATCH: usize = 3;
+const MAX_PATCH: usize = 5;
 /// Columns of distances that a block needs.
-const WIDE: usize = BLOCK + 2 * MAX_PATCH + 2;
+const WIDE: usize = BLOCK + 16;
 
 /// Planes of what is averaged and of what is known without noise.
 pub(super) mod known {

@@ -1,7 +1,7 @@
 //! A filter that makes a guide of a film: non-local means in two passes.
 //!
-//! The first pass compares noisy pixels by patches of 7 × 7. The second compares what the first has made, over patches of
-//! 3 × 3 and by the variance that is left, and averages the film's own pixels once more: the first pass's decisions,
+//! The first pass compares noisy pixels by patches of 11 × 11. The second compares what the first has made, over patches of
+//! 5 × 5 and by the variance that is left, and averages the film's own pixels once more: the first pass's decisions,
 //! made with less noise (as the second stage of Dabov et al., *Image denoising by sparse 3-D transform-domain
 //! collaborative filtering*, IEEE TIP 2007). With features it works on light, radiance over albedo, so that textures stay
 //! as they are; without, on radiance.
@@ -39,12 +39,12 @@ const LARGEST: f32 = 1e16;
 
 /// How pixels are compared in each pass. Measured: see the crate's `benches`.
 const RULES: [Rule; PASSES] = [
-    Rule { radius: 10, patch: 3, scale: 1.0, strength: 0.6, features: [0.018, 0.0072, 0.36] },
-    Rule { radius: 14, patch: 1, scale: 2.0, strength: 0.6, features: [0.0054, 0.00216, 0.108] },
+    Rule { radius: 10, patch: 5, scale: 1.0, strength: 0.6, features: [0.018, 0.0072, 0.36] },
+    Rule { radius: 14, patch: 2, scale: 2.0, strength: 0.6, features: [0.0054, 0.00216, 0.108] },
 ];
 
 /// By how many standard deviations of its own mean a pixel may be made brighter, and by how many of its surroundings'.
-const BRIGHTER: (f32, f32) = (4.0, 0.1);
+const BRIGHTER: (f32, f32) = (10.0, 0.05);
 
 /// A guide in the making.
 #[derive(Debug)]
@@ -114,7 +114,7 @@ impl<'a> Filter<'a> {
 
     /// Writes the guide, rows from the top.
     ///
-    /// A pixel whose samples' luminance has mean L and whose mean has variance v gets at most L + 4√v + √v̄/10, v̄ the mean
+    /// A pixel whose samples' luminance has mean L and whose mean has variance v gets at most L + 10√v + √v̄/20, v̄ the mean
     /// of v over 3 × 3 pixels.
     ///
     /// # Errors

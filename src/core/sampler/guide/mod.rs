@@ -9,7 +9,7 @@ mod rows;
 pub use feature::Feature;
 pub use filter::{Band, Filter};
 
-use super::estimate::{self, Estimator, Lanes};
+use super::estimate::{self, Energy, Estimator, Lanes};
 use super::{Error, Sampler};
 
 impl Sampler<'_> {
@@ -30,12 +30,38 @@ impl Sampler<'_> {
         scratch: &mut [Lanes],
         out: &mut [[f32; 3]],
     ) -> Result<(), Error> {
-        let settings = self.settings();
-        self.at_rest()?;
-        if !settings.estimator.serves(Estimator::Balanced) {
+        if !self.settings.estimator.serves(Estimator::Balanced) {
             return Err(Error::Estimator);
         }
-        let needed = Self::resolve_scratch(settings.width, settings.height);
+        self.give(guide, Energy::Fair(self.settings.balance_radius), scratch, out)
+    }
+
+    /// Writes `guide`, given the energy that all samples together have around every pixel: as
+    /// [`resolve_guided`](Self::resolve_guided), with Q instead of D, over about ten pixels.
+    ///
+    /// What a filter has carried over a border goes back where it was seen. Q is less noisy than D, so that this can be
+    /// done over smaller neighbourhoods; the little that it lacks itself `resolve_guided` gives back afterwards.
+    ///
+    /// # Errors
+    /// If an iteration is running, or a slice has the wrong length.
+    pub fn level(
+        &self,
+        guide: &[[f32; 3]],
+        scratch: &mut [Lanes],
+        out: &mut [[f32; 3]],
+    ) -> Result<(), Error> {
+        self.give(guide, Energy::All, scratch, out)
+    }
+
+    fn give(
+        &self,
+        guide: &[[f32; 3]],
+        energy: Energy,
+        scratch: &mut [Lanes],
+        out: &mut [[f32; 3]],
+    ) -> Result<(), Error> {
+        self.at_rest()?;
+        let needed = Self::resolve_scratch(self.settings.width, self.settings.height);
         let scratch = scratch.get_mut(..needed).ok_or(Error::Scratch)?;
         if guide.len() != self.layout.pixels() {
             return Err(Error::Guide);
@@ -43,7 +69,7 @@ impl Sampler<'_> {
         if out.len() != self.layout.pixels() {
             return Err(Error::Output);
         }
-        estimate::lent(&self.layout, &self.planes, guide, settings.balance_radius, scratch, out);
+        estimate::lent(&self.layout, &self.planes, guide, energy, scratch, out);
         Ok(())
     }
 }

@@ -1,12 +1,12 @@
 //! What is seen without light: albedo, normal and depth of the first rough surface, pixel by pixel.
 //!
-//! Eight rays a pixel, stratified over it, follow mirrors and smooth glass as a path does: at glass by chance, as Fresnel
-//! has it, so that a pixel's means are what its radiance is made of. Albedo is tinted by what it is seen in. No lights, no
+//! Eight rays a pixel, stratified over it, follow mirrors and smooth glass: at glass the way most light takes, so that chance
+//! does not enter. Albedo is tinted by what it is seen in. No lights, no
 //! shadows: a pixel costs one packet of coherent rays, and one more for every segment of a chain. The points are the same
 //! in every frame, whatever its seed; see [`Feature`] for what comes out.
 
 use super::hit::SurfacePoints;
-use super::path::{SETS, scatter_specular};
+use super::path::scatter_specular;
 use super::queue::Paths;
 use crate::maths::sobol::{self, PixelKeys};
 use crate::maths::vec3::Vec3x8;
@@ -52,7 +52,7 @@ impl<'a> Features<'a> {
     fn look(&mut self, x: u32, y: u32) -> Seen {
         let mut paths = self.start(x, y);
         let (mut seen, mut alive) = (Seen::default(), f32x8::splat(f32::from_bits(u32::MAX)));
-        for depth in 1..=self.max_depth {
+        for _ in 0..self.max_depth {
             let t_max = alive.select(f32x8::splat(f32::INFINITY), f32x8::splat(-1.0));
             let rays = Rays8 { origin: paths.origin, direction: paths.direction, t_max };
             let hits = self.tracer.closest(&rays);
@@ -66,8 +66,7 @@ impl<'a> Features<'a> {
             if !alive.any() {
                 break;
             }
-            let (choice, _) = sobol::point(paths.index, paths.key, SETS * depth);
-            scatter_specular(&mut paths, &surface, choice);
+            scatter_specular(&mut paths, &surface, f32x8::HALF);
             paths.origin = surface.leave(paths.direction);
         }
         seen
