@@ -1,6 +1,6 @@
 //! A frame's guided picture: the film filtered by what the scene shows, and given its energy back.
 //!
-//! Memory while it is made: 28 bytes a pixel for the features, 96 and a margin for the filter, 12 for the guide.
+//! Memory while it is made: 28 bytes a pixel for the features, 100 and a margin for the filter, 12 for the guide.
 
 use crate::error::Error;
 use crate::render::zeros;

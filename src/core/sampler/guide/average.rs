@@ -36,8 +36,10 @@ pub(super) mod known {
     pub const DEPTH: usize = 11;
     /// What depth changes by from a pixel to its right neighbour, and to its lower one.
     pub const SLOPE: usize = 12;
+    /// Part of a filtered pixel's light that it may have even if its samples have seen none.
+    pub const UNSEEN: usize = 14;
     /// Number of planes.
-    pub const PLANES: usize = 14;
+    pub const PLANES: usize = 15;
 }
 
 /// Planes of averages.
@@ -147,19 +149,20 @@ fn compare(from: &Sources<'_>, rule: &Rule, block: &Block, step: (isize, isize),
     }
     let share = f32x8::splat(1.0 / ((2 * patch + 1) * (2 * patch + 1)) as f32);
     for r in 0..block.rows {
+        let pixels = Pair::new(&from.known, (block.x, block.y + r), step);
         for i in (0..block.columns).step_by(8) {
             let sum =
                 across[r + 1..=r + 2 * patch].iter().fold(read8(&across[r][i..]), |s, a| s + read8(&a[i..]));
             let colours = (sum * share).fast_max(f32x8::ZERO);
-            let (x, y) = (block.x + i, block.y + r);
-            let (qx, qy) = (x.wrapping_add_signed(step.0), y.wrapping_add_signed(step.1));
-            let far = colours.fast_max(features(&from.known, rule, (x, y), (qx, qy), step));
-            let weight = falloff(far);
+            if colours.simd_ge(f32x8::splat(8.0)).all() {
+                continue;
+            }
+            let weight = falloff(colours.fast_max(pixels.features(rule, i)));
             let add = |sum: &mut [f32], value| write8(sum, read8(sum) + value);
             for c in 0..3 {
-                add(&mut sums.light[c][r][i..i + 8], weight * from.known.at(known::LIGHT + c, qx, qy));
+                add(&mut sums.light[c][r][i..i + 8], weight * pixels.there(known::LIGHT + c, i));
             }
-            let variance = from.known.at(known::OWN_VARIANCE, qx, qy);
+            let variance = pixels.there(known::OWN_VARIANCE, i);
             add(&mut sums.variance[r][i..i + 8], weight * weight * variance);
             add(&mut sums.weight[r][i..i + 8], weight);
         }
@@ -192,28 +195,50 @@ fn distances(
     }
 }
 
-/// The largest squared distance of features.
-#[inline(always)]
-fn features(
-    known: &Rows<'_>,
-    rule: &Rule,
-    (x, y): (usize, usize),
-    (qx, qy): (usize, usize),
-    step: (isize, isize),
-) -> f32x8 {
-    let difference = |plane: usize| known.at(plane, x, y) - known.at(plane, qx, qy);
-    let square = |plane: usize| {
-        let d = [0, 1, 2].map(|c| difference(plane + c));
-        d[0] * d[0] + d[1] * d[1] + d[2] * d[2]
-    };
-    let [normal, albedo, depth] = rule.features.map(f32x8::splat);
-    let right = known.at(known::SLOPE, x, y) * f32x8::splat(step.0 as f32);
-    let down = known.at(known::SLOPE + 1, x, y) * f32x8::splat(step.1 as f32);
-    let near = known.at(known::DEPTH, x, y) * f32x8::splat(0.01);
-    let scale = (right.abs() + down.abs()).fast_max(near);
-    let off = difference(known::DEPTH) + right + down;
-    let depths = off * off / (depth * scale * scale + f32x8::splat(1e-12));
-    (square(known::NORMAL) / normal).fast_max(square(known::ALBEDO) / albedo).fast_max(depths)
+/// What is known of some pixels of a row, and of those a step from them.
+struct Pair<'a> {
+    here: [&'a [f32]; known::PLANES],
+    there: [&'a [f32]; known::PLANES],
+    step: [f32x8; 2],
+}
+
+impl<'a> Pair<'a> {
+    #[inline(always)]
+    fn new(known: &Rows<'a>, (x, y): (usize, usize), step: (isize, isize)) -> Self {
+        let (qx, qy) = (x.wrapping_add_signed(step.0), y.wrapping_add_signed(step.1));
+        let row = |x: usize, y: usize| core::array::from_fn(|plane| &known.row(plane, y)[x..]);
+        let step = [step.0, step.1].map(|v| f32x8::splat(v as f32));
+        Pair { here: row(x, y), there: row(qx, qy), step }
+    }
+
+    /// Plane of the pixels a step away.
+    #[inline(always)]
+    fn there(&self, plane: usize, i: usize) -> f32x8 {
+        read8(&self.there[plane][i..])
+    }
+
+    #[inline(always)]
+    fn here(&self, plane: usize, i: usize) -> f32x8 {
+        read8(&self.here[plane][i..])
+    }
+
+    /// The largest squared distance of features.
+    #[inline(always)]
+    fn features(&self, rule: &Rule, i: usize) -> f32x8 {
+        let difference = |plane: usize| self.here(plane, i) - self.there(plane, i);
+        let square = |plane: usize| {
+            let d = [0, 1, 2].map(|c| difference(plane + c));
+            d[0] * d[0] + d[1] * d[1] + d[2] * d[2]
+        };
+        let part = rule.features.map(|v| f32x8::splat(1.0 / v));
+        let right = self.here(known::SLOPE, i) * self.step[0];
+        let down = self.here(known::SLOPE + 1, i) * self.step[1];
+        let near = self.here(known::DEPTH, i) * f32x8::splat(0.01);
+        let scale = (right.abs() + down.abs()).fast_max(near);
+        let off = difference(known::DEPTH) + right + down;
+        let depths = off * off / (f32x8::splat(rule.features[2]) * scale * scale + f32x8::splat(1e-12));
+        (square(known::NORMAL) * part[0]).fast_max(square(known::ALBEDO) * part[1]).fast_max(depths)
+    }
 }
 
 /// About exp(−d), 0 from 8 on.

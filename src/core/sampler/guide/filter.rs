@@ -46,6 +46,9 @@ const RULES: [Rule; PASSES] = [
 /// By how many standard deviations of its own mean a pixel may be made brighter, and by how many of its surroundings'.
 const BRIGHTER: (f32, f32) = (10.0, 0.05);
 
+/// What is seen by a part of 3/n of a pixel's samples is missed by all n of them once in twenty times.
+const MISSED: f32 = 3.0;
+
 /// A guide in the making.
 #[derive(Debug)]
 pub struct Filter<'a> {
@@ -59,7 +62,7 @@ impl<'a> Filter<'a> {
     /// Passes a picture needs.
     pub const PASSES: usize = PASSES;
 
-    /// Floats of scratch a filter needs: 24 a pixel and a margin.
+    /// Floats of scratch a filter needs: 25 a pixel and a margin.
     pub fn required(width: u32, height: u32) -> usize {
         let grid = Grid { width: width as usize, height: height as usize };
         grid.floats(known::PLANES).saturating_add(grid.floats(averages::PLANES).saturating_mul(Self::PASSES))
@@ -115,7 +118,8 @@ impl<'a> Filter<'a> {
     /// Writes the guide, rows from the top.
     ///
     /// A pixel whose samples' luminance has mean L and whose mean has variance v gets at most L + 10√v + √v̄/20, v̄ the mean
-    /// of v over 3 × 3 pixels.
+    /// of v over 3 × 3 pixels, or the part 3/n of what it was filtered to, n the number of its samples: so much its samples
+    /// may have missed.
     ///
     /// # Errors
     /// If `out` has not one entry a pixel.
@@ -134,7 +138,7 @@ impl<'a> Filter<'a> {
                 let most = luminance(radiance(&known))
                     + BRIGHTER.0 * deviation(known::OWN_VARIANCE)
                     + BRIGHTER.1 * deviation(known::VARIANCE);
-                *out = darkened(radiance(&averages), most.max(0.0));
+                *out = darkened(radiance(&averages), most.max(0.0), value(&known, known::UNSEEN));
             }
         }
         Ok(())
@@ -153,7 +157,7 @@ impl<'a> Filter<'a> {
                 let i = sampler.layout.index(x as u32, y as u32);
                 let mean = planes.mean.each_ref().map(|plane| plane[i]);
                 let feature = features.get(y * grid.width + x).unwrap_or(&open).limited();
-                let values = pixel(mean, variance(planes.m2[i], planes.count[i]), &feature);
+                let values = pixel(mean, (planes.m2[i], planes.count[i]), &feature);
                 for (plane, value) in values.into_iter().enumerate() {
                     row[plane * stride + MARGIN + x] = value;
                 }
@@ -187,13 +191,14 @@ fn variance(m2: f32, count: u32) -> f32 {
 }
 
 /// What is known of a pixel, plane by plane.
-fn pixel(mean: [f32; 3], variance: f32, feature: &Feature) -> [f32; known::PLANES] {
+fn pixel(mean: [f32; 3], (m2, count): (f32, u32), feature: &Feature) -> [f32; known::PLANES] {
     let albedo = feature.albedo.map(|a| a.max(LEAST_ALBEDO));
     let light = [0, 1, 2].map(|c| (mean[c] / albedo[c]).clamp(-LARGEST, LARGEST));
     let shade = luminance(albedo);
     let mut values = [0.0; known::PLANES];
     values[known::LIGHT..][..3].copy_from_slice(&light);
-    values[known::OWN_VARIANCE] = (variance / (shade * shade)).min(LARGEST * LARGEST);
+    values[known::UNSEEN] = (MISSED / count.max(1) as f32).min(1.0);
+    values[known::OWN_VARIANCE] = (variance(m2, count) / (shade * shade)).min(LARGEST * LARGEST);
     values[known::NORMAL..][..3].copy_from_slice(&feature.normal);
     values[known::ALBEDO..][..3].copy_from_slice(&feature.albedo);
     values[known::DEPTH] = feature.depth;
@@ -231,8 +236,9 @@ fn slopes(grid: Grid, data: &mut [f32]) {
     }
 }
 
-/// The colour, or that of luminance `most` if it is brighter.
-fn darkened(colour: [f32; 3], most: f32) -> [f32; 3] {
+/// The colour, or that of luminance `most` if it is brighter, but at least a `part` of it.
+fn darkened(colour: [f32; 3], most: f32, part: f32) -> [f32; 3] {
     let light = luminance(colour);
-    if light > most { colour.map(|v| v * (most / light)) } else { colour }
+    let factor = if light > most { (most / light).max(part) } else { 1.0 };
+    colour.map(|v| v * factor)
 }

@@ -2,9 +2,6 @@
 //!
 //! So some rows of all planes are one contiguous slice, which a thread can be given.
 
-use crate::maths::eight::read8;
-use wide::f32x8;
-
 /// Pixels beyond the picture's border on each side: as far as a pixel is compared with others, and a bit.
 pub(super) const MARGIN: usize = 16;
 
@@ -64,12 +61,6 @@ impl<'a> Rows<'a> {
     pub fn row(&self, plane: usize, y: usize) -> &'a [f32] {
         let stride = self.grid.stride();
         &self.data[(y * self.planes + plane) * stride..][..stride]
-    }
-
-    /// Eight values from column `x` of row `y` on.
-    #[inline(always)]
-    pub fn at(&self, plane: usize, x: usize, y: usize) -> f32x8 {
-        read8(&self.row(plane, y)[x..])
     }
 }
 
