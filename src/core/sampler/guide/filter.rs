@@ -37,7 +37,7 @@ const LEAST_ALBEDO: f32 = 0.02;
 /// Largest number that enters a filter, so that no square overflows.
 const LARGEST: f32 = 1e16;
 
-/// How pixels are compared in each pass. Measured: see the crate's `benches`.
+/// How pixels are compared in each pass: what had least Err on a box, a glass sphere and a rough mesh at 4 to 64 samples.
 const RULES: [Rule; PASSES] = [
     Rule { radius: 10, patch: 5, scale: 1.0, strength: 0.6, features: [0.018, 0.0072, 0.36] },
     Rule { radius: 14, patch: 2, scale: 2.0, strength: 0.6, features: [0.0054, 0.00216, 0.108] },
