@@ -121,7 +121,7 @@ fn json_and_quiet_say_what_they_should() {
 fn every_sampler_and_estimator_renders() {
     let room = room();
     for sampler in ["pmc", "uniform", "paper"] {
-        for estimator in ["balanced", "pooled", "subframe", "difference"] {
+        for estimator in ["balanced", "pooled", "subframe", "difference", "guided"] {
             let options =
                 format!("--sampler {sampler} --estimator {estimator} --integrator path --exposure -1");
             success(room.path(), &format!("render room.obj {SMALL} {options}"));
@@ -195,7 +195,7 @@ fn wrong_words_on_the_command_line_get_one_line() {
         ("render room.obj --integrator gather --photons 0", "--photons"),
         ("render room.obj --light-samples 4", "--light-samples needs --integrator direct"),
         ("render room.obj --integrator direct --bsdf-samples 0", "--bsdf-samples <N>"),
-        ("render room.obj --estimator best", "balanced, pooled, subframe, difference"),
+        ("render room.obj --estimator best", "balanced, pooled, subframe, difference, guided"),
         ("render room.obj --gamma -1", "0 to 4"),
         ("render room.obj --gamma NaN", "0 to 4"),
         ("render room.obj --max-depth 0", "--max-depth <N>"),

@@ -49,3 +49,13 @@ pub(crate) fn write_rgb8(to: &mut [[f32; 3]], [r, g, b]: [f32x8; 3]) {
         None => to.iter_mut().enumerate().for_each(|(i, to)| *to = colour(i)),
     }
 }
+
+/// The first eight colours of `from`; lanes beyond its end are black.
+#[inline(always)]
+pub(crate) fn read_rgb8(from: &[[f32; 3]]) -> [f32x8; 3] {
+    let colour = |c: usize| match from.first_chunk::<8>() {
+        Some(whole) => f32x8::from(whole.map(|rgb| rgb[c])),
+        None => f32x8::from(core::array::from_fn(|i| from.get(i).map_or(0.0, |rgb| rgb[c]))),
+    };
+    [0, 1, 2].map(colour)
+}

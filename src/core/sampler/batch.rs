@@ -6,6 +6,9 @@
 use crate::maths::sobol;
 use wide::{f32x8, u32x8};
 
+/// Radiances beyond this are rejected like those that are not finite: their squares would overflow.
+pub const MAX_RADIANCE: f32 = 1e15;
+
 /// Eight image-plane samples, structure of arrays. Lanes may belong to different pixels.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Batch8 {

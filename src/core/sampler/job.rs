@@ -3,7 +3,7 @@
 use super::fair::Fair;
 use super::settings::{Error, Sequence};
 use crate::maths::sobol::{self, PixelKeys};
-use crate::sampler::batch::{Batch8, Integrand, Rgb8};
+use crate::sampler::batch::{Batch8, Integrand, MAX_RADIANCE, Rgb8};
 use crate::sampler::estimate::Estimator;
 use crate::sampler::film::arrivals::{Arrivals, GROUP, Sums, samples};
 use crate::sampler::film::{Layout, Planes, Tile};
@@ -11,8 +11,6 @@ use wide::{f32x4, f32x8, u32x8};
 
 /// Samples a job has at least, the last one of an iteration excepted.
 const JOB_SAMPLES: u64 = 4096;
-/// Radiances beyond this are rejected like those that are not finite: their squares would overflow.
-pub const MAX_RADIANCE: f32 = 1e15;
 
 /// Memory a thread lends to the jobs it renders.
 #[derive(Debug)]
@@ -87,7 +85,9 @@ impl Context {
         match self.estimator {
             Estimator::Pooled => 0,
             Estimator::Subframe => planned,
-            Estimator::Difference | Estimator::Balanced => self.fair.among(planned, drawn),
+            Estimator::Difference | Estimator::Balanced | Estimator::Guided => {
+                self.fair.among(planned, drawn)
+            }
         }
     }
 

@@ -48,11 +48,13 @@ pub mod batch;
 pub mod estimate;
 mod fair;
 pub mod film;
+pub mod guide;
 mod job;
 pub mod kernel;
 mod schedule;
 mod settings;
-pub use job::{Job, Jobs, MAX_RADIANCE, Tally, Workspace};
+pub use batch::MAX_RADIANCE;
+pub use job::{Job, Jobs, Tally, Workspace};
 pub use schedule::Schedule;
 pub use settings::{Error, Mode, Sequence, Settings};
 
@@ -288,7 +290,8 @@ impl<'a> Sampler<'a> {
 
     /// Writes the picture: interleaved linear RGB, row by row.
     ///
-    /// Any estimator for which [`Settings::estimator`] [serves](Estimator::serves) may be asked for.
+    /// Any estimator for which [`Settings::estimator`] [serves](Estimator::serves) may be asked for, but for
+    /// [`Estimator::Guided`], which takes a picture: see [`resolve_guided`](Self::resolve_guided).
     ///
     /// # Errors
     /// If an iteration is running, the film has not accumulated for `estimator`, or `out` or `scratch` have the wrong
@@ -309,6 +312,7 @@ impl<'a> Sampler<'a> {
             Estimator::Pooled => estimate::plain(layout, &planes.mean, out),
             Estimator::Subframe | Estimator::Difference => estimate::plain(layout, &planes.fair, out),
             Estimator::Balanced => estimate::balanced(layout, planes, radius, scratch, out),
+            Estimator::Guided => return Err(Error::Guide),
         }
         Ok(())
     }

@@ -200,6 +200,8 @@ pub enum Error {
     Prior,
     /// An output has not the length of the picture.
     Output,
+    /// A guide or a plane of features has not one entry a pixel.
+    Guide,
 }
 
 impl core::fmt::Display for Error {
@@ -223,6 +225,7 @@ impl core::fmt::Display for Error {
             Error::Estimator => "the film accumulates for another estimator: set Settings::estimator",
             Error::Scratch => "scratch is too short: lend as much as Sampler::resolve_scratch says",
             Error::Prior => "a prediction must have one entry a pixel",
+            Error::Guide => "a guide and its planes must have one entry a pixel",
             Error::Output => "an output must have one entry a pixel, three for RGB",
         };
         f.write_str(text)

@@ -126,6 +126,7 @@ mod tests {
             "pmc:pooled",
             "paper:gamma=0.5",
             "pmc:gamma=1+difference",
+            "pmc:guided",
             "pmc:startup=motion",
         ] {
             assert_eq!(name.parse::<Variant>().unwrap().to_string(), name);
@@ -139,7 +140,7 @@ mod tests {
         for (name, words) in [
             ("best", "uniform, paper"),
             ("pmc:", "'' is no option"),
-            ("pmc:best", "balanced, pooled, subframe, difference"),
+            ("pmc:best", "balanced, pooled, subframe, difference, guided"),
             ("pmc:gamma=NaN", "0 to 4"),
             ("pmc:startup=best", "uniform, "),
             ("pmc:gamma=1+gamma=2", "more than one gamma"),

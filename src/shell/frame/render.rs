@@ -4,6 +4,7 @@
 //! until none is left; which thread takes which does not matter, so a frame has the same bits for any number of
 //! threads. Memory: 44 bytes a pixel for the film, 24 for the result, and a scratch area for each thread.
 
+use super::guide::{self, Sight};
 use super::memory::{setting, zeros};
 use super::photons::{Order, Photons, Shot};
 use super::schedule::LEAST_SPP;
@@ -14,6 +15,7 @@ use crate::error::Error;
 use crate::picture::frame_io::Picture;
 use crate::scene::LoadedScene;
 use pmcip_core::predict::Prior;
+use pmcip_core::sampler::estimate::Estimator;
 use pmcip_core::sampler::{Memory, Sampler, Tally};
 use pmcip_core::tracer::scene::Scene;
 use rayon::ThreadPool;
@@ -215,6 +217,10 @@ pub fn render_while(
     }
     learner.end(&sampler)?;
     let mut frame = read_out(&sampler, settings)?;
+    if settings.sampler.estimator == Estimator::Guided {
+        let sight = Sight { scene: view, camera: crew.camera(), max_depth: settings.max_depth };
+        guide::resolve(&sampler, sight, crew.pool(), &mut frame.rgb)?;
+    }
     (frame.tally, frame.lane_occupancy) = (tally, crew.lane_occupancy());
     frame.photons = photons.as_ref().map(Photons::shot);
     (frame.threads, frame.seconds) = (crew.len(), start.elapsed().as_secs_f64());
@@ -246,7 +252,10 @@ fn read_out(sampler: &Sampler<'_>, settings: &Settings) -> Result<Frame, Error> 
         estimated_err: None,
     };
     let mut scratch = zeros(Sampler::resolve_scratch(width, height))?;
-    let estimator = settings.sampler.estimator;
+    let estimator = match settings.sampler.estimator {
+        Estimator::Guided => Estimator::Balanced,
+        other => other,
+    };
     sampler.resolve(estimator, &mut scratch, frame.rgb.as_flattened_mut()).map_err(setting)?;
     sampler.variance(&mut frame.variance).map_err(setting)?;
     sampler.count(&mut frame.count).map_err(setting)?;

@@ -139,6 +139,16 @@ fn drain(
 }
 
 impl Crew<'_> {
+    /// The frame's camera.
+    pub fn camera(&self) -> Camera {
+        self.camera
+    }
+
+    /// The threads; none for the caller's alone.
+    pub fn pool(&self) -> Option<&ThreadPool> {
+        self.pool.as_ref()
+    }
+
     /// How many work.
     pub fn len(&self) -> usize {
         self.workers.len()

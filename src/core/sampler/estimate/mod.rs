@@ -1,4 +1,4 @@
-//! The four estimators: how a pixel's samples of several iterations become its colour.
+//! The estimators: how a pixel's samples of several iterations become its colour.
 //!
 //! With M_{s,p} the mean of pixel p's samples of iteration s, N_s the samples of iteration s and N their sum:
 //! - pooled: Q_p, the mean of all samples. Least error, but biased dark, since counts follow earlier samples.
@@ -9,7 +9,7 @@
 //! - difference: D_p, the mean of the pixel's fair samples: its first ones, as many in every pixel, fixed before the
 //!   frame. Unbiased in every pixel, since nothing that was seen decides which these are, with any points; noisy, since
 //!   they are few.
-//! - balanced: C = Q + a·G((D − Q)/Gᵀa), G about a Gaussian of σ² = r(r + 1), reflected at the borders; a = √L(Q)
+//! - balanced: C = F + a·G((D − F)/Gᵀa) with F = Q, G about a Gaussian of σ² = r(r + 1), reflected at the borders; a = √L(F)
 //!   says how much a pixel takes of what its neighbourhood has lost. Whatever a and G are, ΣC = ΣD: the image's
 //!   energy is exactly unbiased, and the error is about Q's. G = UBV: V sums over cells of 8 × 8 pixels and is
 //!   divided by what its cell's takers take, B is three box passes over the grid of cells, U interpolates
@@ -18,11 +18,14 @@
 //!   would be spread onto black background, where it shows. A pixel can become negative; to clip it would be a
 //!   bias.
 //!
+//! F can be any picture ([`Sampler::resolve_guided`](crate::sampler::Sampler::resolve_guided)): the energy is D's, the error
+//! about F's.
+//!
 //! D and S are accumulated while streaming, in one RGB plane besides Q. A rejected sample counts as black in them.
 
 mod picture;
 mod smooth;
-pub(crate) use picture::{balanced, plain, scratch_len};
+pub(crate) use picture::{Energy, balanced, lent, plain, scratch_len};
 pub use smooth::{Lanes, MAX_RADIUS};
 
 /// Which estimator makes the picture.
@@ -37,6 +40,9 @@ pub enum Estimator {
     /// Pooled, with the energy it lost given back to the neighbourhood by `Difference`.
     #[default]
     Balanced,
+    /// A lent picture, with the energy it lost given back likewise: by
+    /// [`resolve_guided`](crate::sampler::Sampler::resolve_guided) alone.
+    Guided,
 }
 
 impl Estimator {
@@ -45,7 +51,7 @@ impl Estimator {
         let plane = |e| match e {
             Estimator::Pooled => 0,
             Estimator::Subframe => 1,
-            Estimator::Difference | Estimator::Balanced => 2,
+            Estimator::Difference | Estimator::Balanced | Estimator::Guided => 2,
         };
         other == Estimator::Pooled || plane(self) == plane(other)
     }

@@ -2,13 +2,15 @@
 //!
 //! What the balanced estimator gives back is smooth over dozens of pixels, so it is computed on cells of 8 × 8
 //! pixels: the excess of a cell's pixels is summed, smoothed over the grid of cells, and interpolated between
-//! their centres. See [`estimate`](super) for the formula.
+//! their centres. See [`estimate`](super) for the formula: F is the guide here, the mean Q or a picture that is lent.
 
 use super::smooth::{self, LANES, Lanes, smooth};
 use crate::maths::colour::luminance8;
-use crate::maths::eight::{read8, write_rgb8};
+use crate::maths::eight::{read_rgb8, read8, write_rgb8};
+use crate::sampler::batch::MAX_RADIANCE;
 use crate::sampler::film::cell::{CELL, Cell};
 use crate::sampler::film::{Layout, Planes};
+use core::ops::Range;
 use wide::f32x8;
 
 /// What interpolation between cell centres takes from the cell before, from the one a pixel is in, and from the
@@ -43,6 +45,36 @@ pub(crate) fn plain(layout: &Layout, colours: &[&mut [f32]; 3], out: &mut [[f32;
     });
 }
 
+/// Whose energy a guide is given.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Energy {
+    /// That of the fair samples, over neighbourhoods of this radius.
+    Fair(u32),
+    /// That of all samples, over neighbourhoods of a cell and its interpolation alone.
+    All,
+}
+
+impl Energy {
+    #[inline(always)]
+    fn of(self, planes: &Planes<'_>, row: Range<usize>) -> [f32x8; 3] {
+        match self {
+            Energy::Fair(_) => planes.fair8(row),
+            Energy::All => planes.mean8(row),
+        }
+    }
+
+    fn radii(self) -> [u32; 3] {
+        match self {
+            Energy::Fair(radius) => radii(radius),
+            Energy::All => [0; 3],
+        }
+    }
+}
+
+/// Where the guide of a row of a cell is read.
+pub(crate) trait Guide: Fn(&Cell, usize) -> [f32x8; 3] {}
+impl<G: Fn(&Cell, usize) -> [f32x8; 3]> Guide for G {}
+
 /// Writes the balanced estimator, row by row; `scratch` is [`scratch_len`] long.
 pub(crate) fn balanced(
     layout: &Layout,
@@ -51,19 +83,52 @@ pub(crate) fn balanced(
     scratch: &mut [Lanes],
     out: &mut [[f32; 3]],
 ) {
+    let mean = |cell: &Cell, dy: usize| planes.mean8(cell.row(dy));
+    guided(layout, planes, &mean, Energy::Fair(radius), scratch, out);
+}
+
+/// Writes `picture` (rows from the top), given `energy`; where it is not finite or beyond
+/// [`MAX_RADIANCE`], the mean stands in.
+pub(crate) fn lent(
+    layout: &Layout,
+    planes: &Planes<'_>,
+    picture: &[[f32; 3]],
+    energy: Energy,
+    scratch: &mut [Lanes],
+    out: &mut [[f32; 3]],
+) {
+    let guide = |cell: &Cell, dy: usize| {
+        let lent = read_rgb8(&picture[cell.raster(dy, layout.width() as usize)]);
+        let usable = lent.map(|v| v.abs().simd_le(f32x8::splat(MAX_RADIANCE)));
+        let usable = usable[0] & usable[1] & usable[2];
+        let mean = planes.mean8(cell.row(dy));
+        [0, 1, 2].map(|c| usable.select(lent[c], mean[c]))
+    };
+    guided(layout, planes, &guide, energy, scratch, out);
+}
+
+/// Writes `guide`, given `energy`.
+fn guided(
+    layout: &Layout,
+    planes: &Planes<'_>,
+    guide: &impl Guide,
+    energy: Energy,
+    scratch: &mut [Lanes],
+    out: &mut [[f32; 3]],
+) {
     let size = layout.grid();
     let cells = size.0 * size.1;
     let (grids, lines) = scratch.split_at_mut((4 * cells).div_ceil(LANES));
     let (taken, excess) = grids.as_flattened_mut()[..4 * cells].split_at_mut(cells);
-    let radii = radii(radius);
-    gather(layout, planes, taken, excess.as_chunks_mut().0);
+    let radii = energy.radii();
+    gather(layout, planes, guide, energy, taken, excess.as_chunks_mut().0);
     smooth::<1>(taken, size, radii, lines);
     for (excess, taken) in excess.as_chunks_mut::<3>().0.iter_mut().zip(taken) {
         // Where nobody takes anything, no sample was ever bright: there is nothing to spread.
         *excess = excess.map(|excess| excess / taken.max(1e-12));
     }
     smooth::<3>(excess, size, radii, lines);
-    spread(layout, planes, excess.as_chunks().0, out);
+    spread(layout, planes, guide, excess.as_chunks().0, out);
 }
 
 /// Radii of three boxes over cells that, with what cells and interpolation blur by themselves, have a variance of
@@ -78,26 +143,36 @@ fn radii(radius: u32) -> [u32; 3] {
     [0, 1, 2].map(|i| least + u32::from(i < larger))
 }
 
-/// How much a pixel takes of what its neighbourhood has lost: the root of its luminance.
+/// How much a pixel takes of what its neighbourhood has lost: the root of the guide's luminance.
+///
+/// And a little of what the guide has changed, so that somebody takes what a guide loses that is black everywhere.
 #[inline(always)]
-fn takes(mean: [f32x8; 3]) -> f32x8 {
-    luminance8(mean).fast_max(f32x8::ZERO).sqrt()
+fn takes(guide: [f32x8; 3], mean: [f32x8; 3]) -> f32x8 {
+    let [r, g, b] = [0, 1, 2].map(|c| (guide[c] - mean[c]).abs());
+    (luminance8(guide).fast_max(f32x8::ZERO) + (r + g + b) * f32x8::splat(1e-6)).sqrt()
 }
 
 /// Sums the excess over each cell, and what its pixels take over all pixels that interpolate between it and others.
-fn gather(layout: &Layout, planes: &Planes<'_>, taken: &mut [f32], excess: &mut [[f32; 3]]) {
+fn gather(
+    layout: &Layout,
+    planes: &Planes<'_>,
+    guide: &impl Guide,
+    energy: Energy,
+    taken: &mut [f32],
+    excess: &mut [[f32; 3]],
+) {
     taken.fill(0.0);
     let (columns, rows) = layout.grid();
     layout.for_each_cell(|cell| {
         let mut lost = [f32x8::ZERO; 3];
         let mut takers = [f32x8::ZERO; 3];
         for dy in 0..cell.height {
-            let (mean, fair) = (planes.mean8(cell.row(dy)), planes.fair8(cell.row(dy)));
-            let here = takes(mean);
+            let (guide, whole) = (guide(&cell, dy), energy.of(planes, cell.row(dy)));
+            let here = takes(guide, planes.mean8(cell.row(dy)));
             for (sum, near) in takers.iter_mut().zip(NEAR) {
                 *sum += here * f32x8::splat(near[dy]);
             }
-            (0..3).for_each(|c| lost[c] += fair[c] - mean[c]);
+            (0..3).for_each(|c| lost[c] += whole[c] - guide[c]);
         }
         excess[cell.y * columns + cell.x] = lost.map(sum);
         for (takers, y) in takers.iter().zip(around(cell.y, rows)) {
@@ -108,34 +183,33 @@ fn gather(layout: &Layout, planes: &Planes<'_>, taken: &mut [f32], excess: &mut 
     });
 }
 
-/// Writes mean plus what the pixel takes of `excess`, interpolated between cells.
-fn spread(layout: &Layout, planes: &Planes<'_>, excess: &[[f32; 3]], out: &mut [[f32; 3]]) {
+/// Writes the guide plus what the pixel takes of `excess`, interpolated between cells.
+fn spread(
+    layout: &Layout,
+    planes: &Planes<'_>,
+    guide: &impl Guide,
+    excess: &[[f32; 3]],
+    out: &mut [[f32; 3]],
+) {
     let (columns, rows) = layout.grid();
     layout.for_each_cell(|cell| {
         let x = around(cell.x, columns);
         let rows = around(cell.y, rows).map(|y| across(x.map(|x| excess[y * columns + x])));
         for dy in 0..cell.height {
-            write_row(layout, planes, &cell, &rows, dy, out);
+            let (guide, mean) = (guide(&cell, dy), planes.mean8(cell.row(dy)));
+            let raster = cell.raster(dy, layout.width() as usize);
+            write_row(guide, takes(guide, mean), &rows, dy, &mut out[raster]);
         }
     });
 }
 
-/// One row of a cell; `rows` are the excesses of three rows of cells, interpolated to its columns.
+/// Row `dy` of a cell; `rows` are the excesses of three rows of cells, interpolated to its columns, `part` what its
+/// pixels take of them.
 #[inline(always)]
-fn write_row(
-    layout: &Layout,
-    planes: &Planes<'_>,
-    cell: &Cell,
-    rows: &[[f32x8; 3]; 3],
-    dy: usize,
-    out: &mut [[f32; 3]],
-) {
-    let mean = planes.mean8(cell.row(dy));
-    let part = takes(mean);
+fn write_row(guide: [f32x8; 3], part: f32x8, rows: &[[f32x8; 3]; 3], dy: usize, out: &mut [[f32; 3]]) {
     let other = if dy < CELL / 2 { 0 } else { 2 };
     let (near, far) = (f32x8::splat(NEAR[1][dy]), f32x8::splat(NEAR[other][dy]));
-    let rgb = [0, 1, 2].map(|c| mean[c] + part * (rows[1][c] * near + rows[other][c] * far));
-    write_rgb8(&mut out[cell.raster(dy, layout.width() as usize)], rgb);
+    write_rgb8(out, [0, 1, 2].map(|c| guide[c] + part * (rows[1][c] * near + rows[other][c] * far)));
 }
 
 /// Colours of three neighbouring cells, interpolated to the columns of the middle one.

@@ -6,9 +6,11 @@
 //! * `vertex` – what happens where a path meets a surface;
 //! * `queue`, `shadow` – packets of paths and of shadow rays, kept full;
 //! * [`path`] – the path tracer; [`direct`] – direct lighting alone;
+//! * [`features`] – what is seen without light;
 //! * [`shoot`], [`gather`] – photons from the lights, and the integrator that looks them up.
 
 pub mod direct;
+pub mod features;
 mod fetch;
 pub mod gather;
 mod hit;

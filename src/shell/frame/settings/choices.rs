@@ -80,6 +80,8 @@ pub enum Estimate {
     Subframe,
     /// Unbiased in every pixel, noisy where samples are few
     Difference,
+    /// Filtered, with every neighbourhood's light as unbiased samples have it
+    Guided,
 }
 
 impl From<Estimate> for Estimator {
@@ -89,6 +91,7 @@ impl From<Estimate> for Estimator {
             Estimate::Pooled => Estimator::Pooled,
             Estimate::Subframe => Estimator::Subframe,
             Estimate::Difference => Estimator::Difference,
+            Estimate::Guided => Estimator::Guided,
         }
     }
 }

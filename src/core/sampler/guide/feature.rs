@@ -1,0 +1,26 @@
+//! What a renderer knows of a pixel without noise, or with little.
+
+/// What is seen through a pixel, averaged over it.
+///
+/// A surface seen in a mirror or through smooth glass is meant, not the glass. Where nothing is seen all is 0. Any caller
+/// may fill these from what he has; numbers need not be exact, and what is not finite counts as 0.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Feature {
+    /// Part of the light that the surface reflects, 1 where it shines itself.
+    pub albedo: [f32; 3],
+    /// Shading normal, of length 1 where all of the pixel has the same.
+    pub normal: [f32; 3],
+    /// Length of the way from the eye, in any unit.
+    pub depth: f32,
+}
+
+/// Largest number of a feature, so that no square overflows.
+const LARGEST: f32 = 1e12;
+
+impl Feature {
+    /// All numbers finite, and none too large to be squared.
+    pub(super) fn limited(&self) -> Feature {
+        let limit = |v: f32| if v.is_finite() { v.clamp(-LARGEST, LARGEST) } else { 0.0 };
+        Feature { albedo: self.albedo.map(limit), normal: self.normal.map(limit), depth: limit(self.depth) }
+    }
+}

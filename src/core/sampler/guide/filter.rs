@@ -1,0 +1,244 @@
+//! A filter that makes a guide of a film: non-local means in two passes.
+//!
+//! The first pass compares noisy pixels by patches of 11 × 11. The second compares what the first has made, over patches of
+//! 5 × 5 and by the variance that is left, and averages the film's own pixels once more: the first pass's decisions,
+//! made with less noise (as the second stage of Dabov et al., *Image denoising by sparse 3-D transform-domain
+//! collaborative filtering*, IEEE TIP 2007). With features it works on light, radiance over albedo, so that textures stay
+//! as they are; without, on radiance.
+//!
+//! At last no pixel is made brighter than its samples admit. The eye is most sensitive in the dark, and light that leaks
+//! from lit surroundings into a pixel that has seen none shows: see [`Filter::write`].
+//!
+//! ```
+//! # use pmcip_core::sampler::{Error, Sampler, guide::{Feature, Filter}};
+//! # fn guided(sampler: &Sampler<'_>, features: &[Feature], floats: &mut [f32]) -> Result<Vec<[f32; 3]>, Error> {
+//! let mut filter = Filter::new(sampler, features, floats)?;
+//! for _ in 0..Filter::PASSES {
+//!     filter.bands().for_each(|mut band| band.filter()); // by any threads, in any order
+//!     filter.next();
+//! }
+//! let pixels = sampler.settings().width as usize * sampler.settings().height as usize;
+//! let mut guide = vec![[0.0; 3]; pixels];
+//! filter.write(&mut guide)?;
+//! # Ok(guide)
+//! # }
+//! ```
+
+use super::average::{self, BLOCK_ROWS, Rule, Sources, averages, known};
+use super::feature::Feature;
+use super::rows::{Grid, MARGIN, Rows};
+use crate::maths::colour::luminance;
+use crate::sampler::{Error, Sampler};
+
+/// See [`Filter::PASSES`].
+const PASSES: usize = 2;
+/// Least albedo light is divided by.
+const LEAST_ALBEDO: f32 = 0.02;
+/// Largest number that enters a filter, so that no square overflows.
+const LARGEST: f32 = 1e16;
+
+/// How pixels are compared in each pass: what had least Err on a box, a glass sphere and a rough mesh at 4 to 64 samples.
+const RULES: [Rule; PASSES] = [
+    Rule { radius: 10, patch: 5, scale: 1.0, strength: 0.6, features: [0.018, 0.0072, 0.36] },
+    Rule { radius: 14, patch: 2, scale: 2.0, strength: 0.6, features: [0.0054, 0.00216, 0.108] },
+];
+
+/// By how many standard deviations of its own mean a pixel may be made brighter, and by how many of its surroundings'.
+const BRIGHTER: (f32, f32) = (10.0, 0.05);
+
+/// What is seen by a part of 3/n of a pixel's samples is missed by all n of them once in twenty times.
+const MISSED: f32 = 3.0;
+
+/// A guide in the making.
+#[derive(Debug)]
+pub struct Filter<'a> {
+    grid: Grid,
+    pass: usize,
+    known: &'a mut [f32],
+    averages: [&'a mut [f32]; PASSES],
+}
+
+impl<'a> Filter<'a> {
+    /// Passes a picture needs.
+    pub const PASSES: usize = PASSES;
+
+    /// Floats of scratch a filter needs: 25 a pixel and a margin.
+    pub fn required(width: u32, height: u32) -> usize {
+        let grid = Grid { width: width as usize, height: height as usize };
+        grid.floats(known::PLANES).saturating_add(grid.floats(averages::PLANES).saturating_mul(Self::PASSES))
+    }
+
+    /// Takes what the film has seen. `features` are as many as pixels, rows from the top, or none.
+    ///
+    /// # Errors
+    /// If an iteration is running, `scratch` is too short, or `features` are of another number.
+    pub fn new(sampler: &Sampler<'_>, features: &[Feature], scratch: &'a mut [f32]) -> Result<Self, Error> {
+        sampler.at_rest()?;
+        let settings = sampler.settings();
+        if !features.is_empty() && features.len() != sampler.layout.pixels() {
+            return Err(Error::Guide);
+        }
+        let needed = Self::required(settings.width, settings.height);
+        let scratch = scratch.get_mut(..needed).ok_or(Error::Scratch)?;
+        let grid = Grid { width: settings.width as usize, height: settings.height as usize };
+        let (known, rest) = scratch.split_at_mut(grid.floats(known::PLANES));
+        let (first, second) = rest.split_at_mut(grid.floats(averages::PLANES));
+        let mut filter = Filter { grid, pass: 0, known, averages: [first, second] };
+        filter.take(sampler, features);
+        Ok(filter)
+    }
+
+    /// The picture in parts that can be filtered by any thread in any order; none after the last pass.
+    pub fn bands(&mut self) -> impl Iterator<Item = Band<'_>> {
+        let [first, second] = &mut self.averages;
+        let known = Rows { data: self.known, planes: known::PLANES, grid: self.grid };
+        let (out, guide) = match self.pass {
+            0 => (&mut **first, known),
+            1 => (&mut **second, Rows { data: first, planes: averages::PLANES, grid: self.grid }),
+            _ => (&mut [][..], known),
+        };
+        let row = averages::PLANES * self.grid.stride();
+        let inside = match out.is_empty() {
+            true => out,
+            false => &mut out[MARGIN * row..(MARGIN + self.grid.height) * row],
+        };
+        let (pass, sources) = (self.pass, Sources { known, guide });
+        let chunks = inside.chunks_mut(BLOCK_ROWS * row).enumerate();
+        chunks.map(move |(i, out)| Band { sources, rule: &RULES[pass], first: i * BLOCK_ROWS, out })
+    }
+
+    /// Ends a pass, when all its bands have been filtered.
+    pub fn next(&mut self) {
+        if let Some(averages) = self.averages.get_mut(self.pass) {
+            finish(self.grid, averages::PLANES, (averages::OWN_VARIANCE, averages::VARIANCE), averages);
+            self.pass += 1;
+        }
+    }
+
+    /// Writes the guide, rows from the top.
+    ///
+    /// A pixel whose samples' luminance has mean L and whose mean has variance v gets at most L + 10√v + √v̄/20, v̄ the mean
+    /// of v over 3 × 3 pixels, or the part 3/n of what it was filtered to, n the number of its samples: so much its samples
+    /// may have missed.
+    ///
+    /// # Errors
+    /// If `out` has not one entry a pixel.
+    pub fn write(&self, out: &mut [[f32; 3]]) -> Result<(), Error> {
+        if out.len() != self.grid.width * self.grid.height {
+            return Err(Error::Output);
+        }
+        let known = Rows { data: self.known, planes: known::PLANES, grid: self.grid };
+        let averages = Rows { data: self.averages[1], planes: averages::PLANES, grid: self.grid };
+        for (y, out) in out.chunks_exact_mut(self.grid.width).enumerate() {
+            for (x, out) in out.iter_mut().enumerate() {
+                let value = |rows: &Rows<'_>, plane: usize| rows.row(plane, y + MARGIN)[x + MARGIN];
+                let albedo = [0, 1, 2].map(|c| value(&known, known::ALBEDO + c).max(LEAST_ALBEDO));
+                let radiance = |rows: &Rows<'_>| [0, 1, 2].map(|c| value(rows, c) * albedo[c]);
+                let deviation = |plane: usize| luminance(albedo) * libm::sqrtf(value(&known, plane));
+                let most = luminance(radiance(&known))
+                    + BRIGHTER.0 * deviation(known::OWN_VARIANCE)
+                    + BRIGHTER.1 * deviation(known::VARIANCE);
+                *out = darkened(radiance(&averages), most.max(0.0), value(&known, known::UNSEEN));
+            }
+        }
+        Ok(())
+    }
+
+    /// Fills the planes of what is known.
+    fn take(&mut self, sampler: &Sampler<'_>, features: &[Feature]) {
+        let (grid, planes) = (self.grid, &sampler.planes);
+        let stride = grid.stride();
+        let open = Feature { albedo: [1.0; 3], ..Feature::default() };
+        for (y, row) in self.known.chunks_exact_mut(known::PLANES * stride).skip(MARGIN).enumerate() {
+            if y == grid.height {
+                break;
+            }
+            for x in 0..grid.width {
+                let i = sampler.layout.index(x as u32, y as u32);
+                let mean = planes.mean.each_ref().map(|plane| plane[i]);
+                let feature = features.get(y * grid.width + x).unwrap_or(&open).limited();
+                let values = pixel(mean, (planes.m2[i], planes.count[i]), &feature);
+                for (plane, value) in values.into_iter().enumerate() {
+                    row[plane * stride + MARGIN + x] = value;
+                }
+            }
+        }
+        finish(grid, known::PLANES, (known::OWN_VARIANCE, known::VARIANCE), self.known);
+        slopes(grid, self.known);
+        grid.reflect(known::PLANES, self.known);
+    }
+}
+
+/// Some rows of a pass. Can be sent to another thread.
+#[derive(Debug)]
+pub struct Band<'a> {
+    sources: Sources<'a>,
+    rule: &'static Rule,
+    first: usize,
+    out: &'a mut [f32],
+}
+
+impl Band<'_> {
+    /// Filters the rows.
+    pub fn filter(&mut self) {
+        average::average(&self.sources, self.rule, self.first, self.out);
+    }
+}
+
+/// Variance of the mean of `count` samples.
+fn variance(m2: f32, count: u32) -> f32 {
+    if count < 2 { 0.0 } else { m2 / ((count - 1) as f32 * count as f32) }
+}
+
+/// What is known of a pixel, plane by plane.
+fn pixel(mean: [f32; 3], (m2, count): (f32, u32), feature: &Feature) -> [f32; known::PLANES] {
+    let albedo = feature.albedo.map(|a| a.max(LEAST_ALBEDO));
+    let light = [0, 1, 2].map(|c| (mean[c] / albedo[c]).clamp(-LARGEST, LARGEST));
+    let shade = luminance(albedo);
+    let mut values = [0.0; known::PLANES];
+    values[known::LIGHT..][..3].copy_from_slice(&light);
+    values[known::UNSEEN] = (MISSED / count.max(1) as f32).min(1.0);
+    values[known::OWN_VARIANCE] = (variance(m2, count) / (shade * shade)).min(LARGEST * LARGEST);
+    values[known::NORMAL..][..3].copy_from_slice(&feature.normal);
+    values[known::ALBEDO..][..3].copy_from_slice(&feature.albedo);
+    values[known::DEPTH] = feature.depth;
+    values
+}
+
+/// Fills the margins, and the plane `to` with the means of plane `from` over 3 × 3 pixels.
+fn finish(grid: Grid, planes: usize, (from, to): (usize, usize), data: &mut [f32]) {
+    grid.reflect(planes, data);
+    let stride = grid.stride();
+    let line = |y: usize, plane: usize| (y * planes + plane) * stride;
+    for y in MARGIN..MARGIN + grid.height {
+        for x in MARGIN..MARGIN + grid.width {
+            let row = |y: usize| data[line(y, from) + x - 1..][..3].iter().sum::<f32>();
+            data[line(y, to) + x] = (row(y - 1) + row(y) + row(y + 1)) * (1.0 / 9.0);
+        }
+    }
+    grid.reflect(planes, data);
+}
+
+/// Fills the planes of depth's slopes: to each side, the smaller one, so that edges have none.
+fn slopes(grid: Grid, data: &mut [f32]) {
+    let stride = grid.stride();
+    let line = |y: usize, plane: usize| (y * known::PLANES + plane) * stride;
+    let least = |a: f32, b: f32| if a.abs() < b.abs() { a } else { b };
+    for y in MARGIN..MARGIN + grid.height {
+        for x in MARGIN..MARGIN + grid.width {
+            let depth = |dx: usize, dy: usize| data[line(y + dy - 1, known::DEPTH) + x + dx - 1];
+            let here = depth(1, 1);
+            let right = least(depth(2, 1) - here, here - depth(0, 1));
+            let down = least(depth(1, 2) - here, here - depth(1, 0));
+            data[line(y, known::SLOPE) + x] = right;
+            data[line(y, known::SLOPE + 1) + x] = down;
+        }
+    }
+}
+
+/// The colour, or that of luminance `most` if it is brighter, but at least a `part` of it.
+fn darkened(colour: [f32; 3], most: f32, part: f32) -> [f32; 3] {
+    let light = luminance(colour);
+    let factor = if light > most { (most / light).max(part) } else { 1.0 };
+    colour.map(|v| v * factor)
+}

@@ -1,0 +1,124 @@
+//! What is seen without light: albedo, normal and depth of the first rough surface, pixel by pixel.
+//!
+//! Eight rays a pixel, stratified over it, follow mirrors and smooth glass: at glass the way most light takes, so that chance
+//! does not enter. Albedo is tinted by what it is seen in. No lights, no
+//! shadows: a pixel costs one packet of coherent rays, and one more for every segment of a chain. The points are the same
+//! in every frame, whatever its seed; see [`Feature`] for what comes out.
+
+use super::hit::SurfacePoints;
+use super::queue::Paths;
+use super::vertex::scatter_specular;
+use crate::maths::sobol::{self, PixelKeys};
+use crate::maths::vec3::Vec3x8;
+use crate::sampler::guide::Feature;
+use crate::tracer::camera::Camera;
+use crate::tracer::scene::{Scattering, Scene};
+use crate::tracer::trace::{Rays8, Tracer};
+use wide::{f32x8, u32x8};
+
+/// Key of the points: its own, so that features are independent of the samples.
+const SEED: u32 = 0xfea7;
+
+/// Sees features of a scene.
+pub struct Features<'a> {
+    tracer: Tracer<'a>,
+    camera: Camera,
+    max_depth: u32,
+}
+
+/// What eight rays have met so far.
+#[derive(Clone, Copy, Default)]
+struct Seen {
+    albedo: Vec3x8,
+    normal: Vec3x8,
+    depth: f32x8,
+}
+
+impl<'a> Features<'a> {
+    /// Features of `scene` seen through `camera`, after chains of mirrors and glass of up to `max_depth` segments. Where a
+    /// chain is longer the last surface counts.
+    pub fn new(scene: Scene<'a>, camera: Camera, max_depth: u32) -> Self {
+        Features { tracer: Tracer::new(scene), camera, max_depth }
+    }
+
+    /// Writes the features of the leftmost pixels of row `y`, as many as there is room for.
+    pub fn row(&mut self, y: u32, out: &mut [Feature]) {
+        for (x, out) in (0..).zip(out) {
+            *out = self.look(x, y).mean();
+        }
+    }
+
+    /// Follows eight rays through a pixel.
+    fn look(&mut self, x: u32, y: u32) -> Seen {
+        let mut paths = self.start(x, y);
+        let (mut seen, mut alive) = (Seen::default(), f32x8::splat(f32::from_bits(u32::MAX)));
+        for _ in 0..self.max_depth {
+            let t_max = alive.select(f32x8::splat(f32::INFINITY), f32x8::splat(-1.0));
+            let rays = Rays8 { origin: paths.origin, direction: paths.direction, t_max };
+            let hits = self.tracer.closest(&rays);
+            if !hits.any() {
+                break;
+            }
+            let surface = SurfacePoints::at(self.tracer.scene(), &rays, &hits);
+            seen.depth += surface.hit & hits.t;
+            seen.note(&paths, &surface);
+            alive = surface.hit & !surface.scatters(Scattering::Rough);
+            if !alive.any() {
+                break;
+            }
+            scatter_specular(&mut paths, &surface, f32x8::HALF);
+            paths.origin = surface.leave(paths.direction);
+        }
+        seen
+    }
+
+    /// Rays through the first eight points of a pixel's sequence.
+    fn start(&self, x: u32, y: u32) -> Paths {
+        let index = u32x8::new([0, 1, 2, 3, 4, 5, 6, 7]);
+        let key = PixelKeys::new(SEED, 0).at(u32x8::splat(y << 16 | x));
+        let (u, v) = sobol::point(index, key, 0);
+        let (x, y) = (f32x8::splat(x as f32) + u, f32x8::splat(y as f32) + v);
+        Paths {
+            origin: Vec3x8::splat(self.camera.origin()),
+            direction: self.camera.directions(x, y),
+            throughput: Vec3x8::splat([1.0; 3]),
+            density: f32x8::splat(f32::INFINITY),
+            compression: f32x8::ONE,
+            normal: u32x8::ZERO,
+            index,
+            key,
+            slot: index,
+            lanes: 8,
+        }
+    }
+}
+
+impl Seen {
+    /// Replaces what was seen in the lanes that have met `surface`.
+    #[inline(always)]
+    fn note(&mut self, paths: &Paths, surface: &SurfacePoints) {
+        let one = f32x8::ONE;
+        let tint = paths.throughput * (one / paths.compression);
+        let reflected = surface.diffuse + surface.specular;
+        let shines = surface.emission.max_component().simd_gt(f32x8::ZERO);
+        let albedo = Vec3x8::select(shines, Vec3x8::splat([1.0; 3]), reflected).scaled(tint);
+        let albedo = Vec3x8::new(albedo.x.fast_min(one), albedo.y.fast_min(one), albedo.z.fast_min(one));
+        self.albedo = Vec3x8::select(surface.hit, albedo, self.albedo);
+        self.normal = Vec3x8::select(surface.hit, surface.normal, self.normal);
+    }
+
+    /// Means over the rays.
+    fn mean(&self) -> Feature {
+        Feature {
+            albedo: [self.albedo.x, self.albedo.y, self.albedo.z].map(mean),
+            normal: [self.normal.x, self.normal.y, self.normal.z].map(mean),
+            depth: mean(self.depth),
+        }
+    }
+}
+
+/// The mean of eight numbers.
+#[inline(always)]
+fn mean(lanes: f32x8) -> f32 {
+    lanes.to_array().iter().sum::<f32>() / 8.0
+}
