@@ -142,7 +142,7 @@ fn meshes_that_can_be_made_say_how() {
 fn unknown_keys_name_key_and_line() {
     toml_fails(
         "[film]\nwidth = 8\nheigth = 8\n",
-        "s.toml:3: unknown field `heigth`, expected one of `width`, `height`, `cd_per_unit` in `film`",
+        "s.toml:3: unknown field `heigth`, expected one of `width`, `height`, `cd_per_unit`, `exposure` in `film`",
     );
     assert!(
         message(&[("s.toml", "\n[sky]\n")]).starts_with("s.toml:2: unknown field `sky`, expected one of")

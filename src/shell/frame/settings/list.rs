@@ -161,7 +161,7 @@ mod tests {
             |s| s.sampler.gamma = 0.800_000_1,
             |s| s.sampler.epsilon = 0.02,
             |s| s.sampler.defensive = 0.0,
-            |s| s.sampler.fair = 8,
+            |s| s.sampler.fair = 5,
             |s| s.sampler.balance_radius = 3,
             |s| s.integrator = Integrator::Direct { light_samples: 8, bsdf_samples: 8 },
             |s| s.integrator = Integrator::Direct { light_samples: 9, bsdf_samples: 8 },
