@@ -18,6 +18,7 @@ use pmcip::frame::render::{Frame, render, render_next};
 use pmcip::frame::settings::{Integrator, Method, Settings, Startup};
 use pmcip::frame::version::PICTURE_VERSION;
 use pmcip::scene::load;
+use pmcip_core::sampler::estimate::Estimator;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -64,7 +65,7 @@ fn hash(frame: &Frame, predictor: &Predictor) -> String {
     hash.finalize().to_hex()[..32].to_owned()
 }
 
-/// Still pictures by every integrator and sampler.
+/// Still pictures by every integrator and sampler, and filtered.
 fn stills(hashes: &mut Hashes) {
     let folder = tempfile::tempdir().unwrap();
     let scenes = [
@@ -91,6 +92,10 @@ fn stills(hashes: &mut Hashes) {
                 );
             }
         }
+        let mut settings = Settings::new(&scene, Method::Pmc, Some(6), Some((SIDE, SIDE)));
+        settings.set_estimator(Estimator::Guided);
+        let frame = render(&scene, &settings, Some(1), &|_| ()).unwrap();
+        hashes.insert(format!("{name} guided"), hash(&frame, &Predictor::default()));
     }
 }
 

@@ -39,4 +39,7 @@ pub fn run(arguments: &[String]) {
             100.0 * number("energy_bias_stderr"),
         );
     }
+    if let Some(ratio) = report["oracle_ratio"].as_f64() {
+        println!("\nOracle ratio {ratio:.2}.");
+    }
 }

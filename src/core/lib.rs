@@ -27,7 +27,8 @@
 //!   [photons](tracer::photon).
 //! * [`sampler`] – the product: the loop that an embedder drives. **Who brings a renderer starts here and needs nothing
 //!   else.** [What crosses the border](sampler::batch), [where samples are needed](sampler::kernel), [how many](sampler::allocate),
-//!   [what was seen](sampler::film), and [how that becomes a picture](sampler::estimate).
+//!   [what was seen](sampler::film), [how that becomes a picture](sampler::estimate), and [how any picture gets its
+//!   energy](sampler::guide).
 //! * [`predict`] – what earlier frames of an animation tell about where the next one needs samples, with
 //!   [features](predict::features) and [homographies](predict::homography) for those who have no motion vectors.
 //! * [`maths`] – vectors, functions, Owen-scrambled [points](maths::sobol), the eye's [threshold](maths::tvi): eight lanes wide.

@@ -52,6 +52,16 @@ impl Error {
         Error::Read { path: path.into(), reason: reason.to_string() }
     }
 
+    /// A setting that the core refuses.
+    pub(crate) fn setting(reason: impl ToString) -> Self {
+        Error::Setting(reason.to_string())
+    }
+
+    /// Work that the core refuses, such as planes that do not fit together.
+    pub(crate) fn work(reason: impl ToString) -> Self {
+        Error::Work(reason.to_string())
+    }
+
     /// A failed write of `path`.
     pub fn write(path: &Path, reason: impl ToString) -> Self {
         Error::Write { path: path.into(), reason: reason.to_string() }

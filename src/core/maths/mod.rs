@@ -4,6 +4,7 @@ pub mod colour;
 pub(crate) mod eight;
 pub mod functions;
 pub(crate) mod matrix;
+pub(crate) mod reflect;
 pub mod sobol;
 pub mod tvi;
 pub mod vec3;

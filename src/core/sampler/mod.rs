@@ -324,12 +324,8 @@ impl<'a> Sampler<'a> {
     /// # Errors
     /// If an iteration is running, or `out` is not as long as the picture has pixels.
     pub fn variance(&self, out: &mut [f32]) -> Result<(), Error> {
-        let planes = &self.planes;
         self.at_rest()?;
-        self.read_out(out, |i| match planes.count[i] {
-            0 | 1 => 0.0,
-            n => planes.m2[i] / ((n - 1) as f32 * n as f32),
-        })
+        self.read_out(out, |i| self.planes.variance_of_mean(i))
     }
 
     /// Writes how many samples every pixel has, row by row.

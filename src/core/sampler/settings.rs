@@ -225,7 +225,7 @@ impl core::fmt::Display for Error {
             Error::Estimator => "the film accumulates for another estimator: set Settings::estimator",
             Error::Scratch => "scratch is too short: lend as much as Sampler::resolve_scratch says",
             Error::Prior => "a prediction must have one entry a pixel",
-            Error::Guide => "a guide and its planes must have one entry a pixel",
+            Error::Guide => "a guided picture needs a guide, and that and its features one entry a pixel",
             Error::Output => "an output must have one entry a pixel, three for RGB",
         };
         f.write_str(text)

@@ -63,10 +63,11 @@ impl Motion {
             return Err(Error::Setting("the scene of the frame before had other objects".into()));
         }
         let camera = |view: &View| Camera::new(view.from, view.at, view.up, view.fov, width, height);
-        let (now, then) = (camera(view).map_err(setting)?, camera(&before.view).map_err(setting)?);
+        let (now, then) =
+            (camera(view).map_err(Error::setting)?, camera(&before.view).map_err(Error::setting)?);
         let shifts = scene.placements.iter().zip(&before.placements);
         let shifts: Vec<_> = shifts.map(|(now, then)| now.towards(then)).collect();
-        let mut tracer = Tracer::new(Scene::new(scene.data()).map_err(setting)?);
+        let mut tracer = Tracer::new(Scene::new(scene.data()).map_err(Error::setting)?);
         let mut sights = Vec::with_capacity(width as usize * height as usize);
         let eye = Vec3::from_array(now.origin());
         for (y, x) in (0..height).flat_map(|y| (0..width).step_by(8).map(move |x| (y, x))) {
@@ -112,8 +113,4 @@ impl Motion {
         let both_far = seen.object == NO_OBJECT;
         (seen.object == sight.object && (near || both_far)).then_some(source)
     }
-}
-
-fn setting(error: impl std::error::Error) -> Error {
-    Error::Setting(error.to_string())
 }

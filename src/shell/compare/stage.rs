@@ -75,7 +75,7 @@ impl Moving<'_> {
     /// # Errors
     /// [`Error::Setting`] if that is not possible.
     pub fn seek(&mut self, frame: u32) -> Result<(&LoadedScene, Settings), Error> {
-        self.animation.seek(frame).map_err(|error| Error::Setting(error.to_string()))?;
+        self.animation.seek(frame).map_err(Error::setting)?;
         let mut base = (self.base)(self.animation.scene());
         base.sampler.frame = frame;
         Ok((self.animation.scene(), base))

@@ -2,7 +2,7 @@
 //!
 //! Memory while it is made: 28 bytes a pixel for the features, 100 and a margin for the filter, 12 for the guide.
 
-use super::memory::{setting, zeros};
+use super::memory::zeros;
 use crate::error::Error;
 use pmcip_core::sampler::Sampler;
 use pmcip_core::sampler::guide::{Band, Feature, Filter};
@@ -40,9 +40,9 @@ pub fn resolve(
     let mut guide = filtered(film, &features, pool)?;
     let (width, height) = (film.settings().width, film.settings().height);
     let mut scratch = zeros(Sampler::resolve_scratch(width, height))?;
-    film.level(&guide, &mut scratch, rgb).map_err(setting)?;
+    film.level(&guide, &mut scratch, rgb).map_err(Error::setting)?;
     guide.copy_from_slice(rgb);
-    film.resolve_guided(&guide, &mut scratch, rgb).map_err(setting)
+    film.resolve_guided(&guide, &mut scratch, rgb).map_err(Error::setting)
 }
 
 /// What all pixels show.
@@ -70,13 +70,13 @@ fn filtered(
     pool: Option<&ThreadPool>,
 ) -> Result<Vec<[f32; 3]>, Error> {
     let mut scratch = zeros(Filter::required(film.settings().width, film.settings().height))?;
-    let mut filter = Filter::new(film, features, &mut scratch).map_err(setting)?;
+    let mut filter = Filter::new(film, features, &mut scratch).map_err(Error::setting)?;
     for _ in 0..Filter::PASSES {
         each(pool, filter.bands().collect(), |mut band: Band<'_>| band.filter());
         filter.next();
     }
     let mut guide = zeros(features.len())?;
-    filter.write(&mut guide).map_err(setting)?;
+    filter.write(&mut guide).map_err(Error::setting)?;
     Ok(guide)
 }
 

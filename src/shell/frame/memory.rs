@@ -1,4 +1,4 @@
-//! What frames share: memory that may be lacking, locks, what the core refuses.
+//! Memory that may be lacking, and locks.
 
 use crate::error::Error;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -14,14 +14,4 @@ pub(crate) fn zeros<T: Clone + Default>(length: usize) -> Result<Vec<T>, Error> 
 /// A lock whose data no panic can leave half done.
 pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-/// A setting that the core refuses.
-pub(crate) fn setting(error: impl std::error::Error) -> Error {
-    Error::Setting(error.to_string())
-}
-
-/// Blames the work: the core was handed planes that do not fit together.
-pub(crate) fn work(error: impl std::error::Error) -> Error {
-    Error::Work(error.to_string())
 }

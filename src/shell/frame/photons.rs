@@ -156,15 +156,11 @@ impl<T: Site> Grown<T> {
     fn new(mut sites: Vec<T>) -> Result<Self, Error> {
         let count = photon::leaves(sites.len());
         let (mut splits, mut leaves) = (vec![Split::default(); count - 1], vec![Leaf::default(); count]);
-        photon::build(&mut sites, &mut splits, &mut leaves).map_err(too_many)?;
+        photon::build(&mut sites, &mut splits, &mut leaves).map_err(Error::work)?;
         Ok(Grown { sites, splits, leaves })
     }
 
     fn tree(&self) -> Result<Tree<'_, T>, Error> {
-        Tree::new(&self.sites, &self.splits, &self.leaves).map_err(too_many)
+        Tree::new(&self.sites, &self.splits, &self.leaves).map_err(Error::work)
     }
-}
-
-fn too_many(error: photon::Error) -> Error {
-    Error::Work(error.to_string())
 }

@@ -45,8 +45,8 @@ pub fn look(scene: &LoadedScene, settings: &Settings) -> Result<Option<String>, 
 fn sees_only_backs(scene: &LoadedScene, settings: &Settings) -> Result<bool, Error> {
     let view = &settings.view;
     let camera = Camera::new(view.from, view.at, view.up, view.fov, SIDE, SIDE);
-    let camera = camera.map_err(|e| Error::Setting(e.to_string()))?;
-    let checked = Scene::new(scene.data()).map_err(|e| Error::Setting(e.to_string()))?;
+    let camera = camera.map_err(Error::setting)?;
+    let checked = Scene::new(scene.data()).map_err(Error::setting)?;
     let mut tracer = Tracer::new(checked);
     let columns = f32x8::new([0.5, 1.5, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5]);
     let starts = (0..SIDE).flat_map(|y| (0..SIDE).step_by(8).map(move |x| (x as f32, y as f32 + 0.5)));

@@ -5,7 +5,7 @@
 //! threads. Memory: 44 bytes a pixel for the film, 24 for the result, and a scratch area for each thread.
 
 use super::guide::{self, Sight};
-use super::memory::{setting, zeros};
+use super::memory::zeros;
 use super::photons::{Order, Photons, Shot};
 use super::schedule::LEAST_SPP;
 use super::settings::{Integrator, Settings};
@@ -191,7 +191,7 @@ pub fn render_while(
 ) -> Result<Frame, Error> {
     let start = Instant::now();
     let pool = start_threads(threads)?;
-    let view = Scene::new(scene.data()).map_err(setting)?;
+    let view = Scene::new(scene.data()).map_err(Error::setting)?;
     let photons = shoot(view, settings, pool.as_ref())?;
     let maps = photons.as_ref().map(Photons::maps).transpose()?;
     let crew = Crew::new(view, settings, maps, pool)?;
@@ -201,25 +201,26 @@ pub fn render_while(
     let memory = Memory { floats: &mut floats, words: &mut words };
     learner.begin(scene, settings)?;
     let film = if learner.predicts() { settings.predicted_film() } else { settings.film() };
-    let mut sampler = Sampler::new(film, memory).map_err(setting)?;
+    let mut sampler = Sampler::new(film, memory).map_err(Error::setting)?;
     let mut tally = Tally::default();
     let predicted = learner.predicts().then(|| settings.predicted_schedule());
     let plain = predicted.is_none().then(|| settings.schedule());
     for samples in predicted.into_iter().flatten().chain(plain.into_iter().flatten()) {
         let prior = learner.prior(sampler.iterations());
-        sampler.begin_predicted(samples, prior).map_err(setting)?;
+        sampler.begin_predicted(samples, prior).map_err(Error::setting)?;
         crew.work(sampler.jobs(), progress);
-        tally = sampler.end().map_err(|error| Error::Work(error.to_string()))?;
+        tally = sampler.end().map_err(Error::work)?;
         learner.see(&sampler, settings)?;
         if !go_on(&sampler)? {
             break;
         }
     }
     learner.end(&sampler)?;
-    let mut frame = read_out(&sampler, settings)?;
-    if settings.sampler.estimator == Estimator::Guided {
-        let sight = Sight { scene: view, camera: crew.camera(), max_depth: settings.max_depth };
-        guide::resolve(&sampler, sight, crew.pool(), &mut frame.rgb)?;
+    let mut frame = read_out(&sampler)?;
+    let sight = Sight { scene: view, camera: crew.camera(), max_depth: settings.max_depth };
+    match settings.sampler.estimator {
+        Estimator::Guided => guide::resolve(&sampler, sight, crew.pool(), &mut frame.rgb)?,
+        estimator => resolve(&sampler, estimator, &mut frame.rgb)?,
     }
     (frame.tally, frame.lane_occupancy) = (tally, crew.lane_occupancy());
     frame.photons = photons.as_ref().map(Photons::shot);
@@ -235,10 +236,9 @@ fn shoot(scene: Scene<'_>, settings: &Settings, pool: Option<&ThreadPool>) -> Re
     Photons::shoot(scene, &order, pool).map(Some)
 }
 
-/// Fetches the film's planes.
-fn read_out(sampler: &Sampler<'_>, settings: &Settings) -> Result<Frame, Error> {
-    let (width, height) = (settings.sampler.width, settings.sampler.height);
-    let pixels = width as usize * height as usize;
+/// Fetches what the film knows of the pixels; the picture is black.
+fn read_out(sampler: &Sampler<'_>) -> Result<Frame, Error> {
+    let pixels = sampler.settings().width as usize * sampler.settings().height as usize;
     let mut frame = Frame {
         rgb: zeros(pixels)?,
         variance: zeros(pixels)?,
@@ -251,14 +251,14 @@ fn read_out(sampler: &Sampler<'_>, settings: &Settings) -> Result<Frame, Error> 
         seconds: 0.0,
         estimated_err: None,
     };
-    let mut scratch = zeros(Sampler::resolve_scratch(width, height))?;
-    let estimator = match settings.sampler.estimator {
-        Estimator::Guided => Estimator::Balanced,
-        other => other,
-    };
-    sampler.resolve(estimator, &mut scratch, frame.rgb.as_flattened_mut()).map_err(setting)?;
-    sampler.variance(&mut frame.variance).map_err(setting)?;
-    sampler.count(&mut frame.count).map_err(setting)?;
-    sampler.alpha(&mut frame.alpha).map_err(setting)?;
+    sampler.variance(&mut frame.variance).map_err(Error::setting)?;
+    sampler.count(&mut frame.count).map_err(Error::setting)?;
+    sampler.alpha(&mut frame.alpha).map_err(Error::setting)?;
     Ok(frame)
+}
+
+/// Writes the picture by an estimator that needs the film alone.
+fn resolve(sampler: &Sampler<'_>, estimator: Estimator, rgb: &mut [[f32; 3]]) -> Result<(), Error> {
+    let mut scratch = zeros(Sampler::resolve_scratch(sampler.settings().width, sampler.settings().height))?;
+    sampler.resolve(estimator, &mut scratch, rgb.as_flattened_mut()).map_err(Error::setting)
 }

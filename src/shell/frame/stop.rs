@@ -96,10 +96,9 @@ impl Judge {
     /// # Errors
     /// [`Error::Work`] if the film has another size.
     pub fn look(&mut self, film: &Sampler<'_>) -> Result<Option<f64>, Error> {
-        let fault = |error: pmcip_core::sampler::Error| Error::Work(error.to_string());
-        film.resolve(Estimator::Pooled, &mut self.scratch, &mut self.rgb).map_err(fault)?;
-        film.count(&mut self.now.count).map_err(fault)?;
-        film.variance(&mut self.variance).map_err(fault)?;
+        film.resolve(Estimator::Pooled, &mut self.scratch, &mut self.rgb).map_err(Error::work)?;
+        film.count(&mut self.now.count).map_err(Error::work)?;
+        film.variance(&mut self.variance).map_err(Error::work)?;
         for (light, rgb) in self.now.light.iter_mut().zip(self.rgb.as_chunks::<3>().0) {
             *light = luminance(*rgb) as f32;
         }

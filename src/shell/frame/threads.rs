@@ -1,6 +1,6 @@
 //! Threads, each with what it needs to trace paths.
 
-use super::memory::{lock, setting};
+use super::memory::lock;
 use super::settings::{Integrator, Settings};
 use crate::error::Error;
 use pmcip_core::sampler::batch::{Batch8, Integrand, Rgb8};
@@ -53,7 +53,8 @@ impl<'a> Crew<'a> {
     ) -> Result<Self, Error> {
         let view = &settings.view;
         let (width, height) = (settings.sampler.width, settings.sampler.height);
-        let camera = Camera::new(view.from, view.at, view.up, view.fov, width, height).map_err(setting)?;
+        let camera =
+            Camera::new(view.from, view.at, view.up, view.fov, width, height).map_err(Error::setting)?;
         let count = pool.as_ref().map_or(1, ThreadPool::current_num_threads);
         let workers = (0..count).map(|_| Mutex::new(Worker::new())).collect();
         Ok(Crew {
@@ -103,6 +104,21 @@ impl<'a> Crew<'a> {
         worker.traffic = sum(worker.traffic, traffic);
     }
 
+    /// The frame's camera.
+    pub fn camera(&self) -> Camera {
+        self.camera
+    }
+
+    /// The threads; none for the caller's alone.
+    pub fn pool(&self) -> Option<&ThreadPool> {
+        self.pool.as_ref()
+    }
+
+    /// How many work.
+    pub fn len(&self) -> usize {
+        self.workers.len()
+    }
+
     /// Rays traced over lanes of the packets traced.
     pub fn lane_occupancy(&self) -> f64 {
         let traffic = self.workers.iter().map(|worker| lock(worker).traffic).fold(Traffic::default(), sum);
@@ -135,23 +151,6 @@ fn drain(
         let Some(mut job) = next else { break };
         job.render(integrand, work);
         progress(job.samples());
-    }
-}
-
-impl Crew<'_> {
-    /// The frame's camera.
-    pub fn camera(&self) -> Camera {
-        self.camera
-    }
-
-    /// The threads; none for the caller's alone.
-    pub fn pool(&self) -> Option<&ThreadPool> {
-        self.pool.as_ref()
-    }
-
-    /// How many work.
-    pub fn len(&self) -> usize {
-        self.workers.len()
     }
 }
 

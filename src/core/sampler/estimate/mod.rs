@@ -19,7 +19,7 @@
 //!   bias.
 //!
 //! F can be any picture ([`Sampler::resolve_guided`](crate::sampler::Sampler::resolve_guided)): the energy is D's, the error
-//! about F's.
+//! about F's. Then a = √(L(F) + 10⁻⁶·|F − Q|), so that what a black F loses finds takers as well.
 //!
 //! D and S are accumulated while streaming, in one RGB plane besides Q. A rejected sample counts as black in them.
 

@@ -4,6 +4,8 @@
 //! at any radius and any size. Sums run in double precision: a firefly that enters and leaves a single
 //! precision sum would leave a trace along the whole line.
 
+use crate::maths::reflect::fold;
+
 /// A position of a line: pixels of neighbouring rows, or sixteen neighbouring floats of a row.
 pub type Lanes = [f32; LANES];
 
@@ -111,16 +113,6 @@ fn box_pass(from: &[Lanes], to: &mut [Lanes], radius: u32) {
             sum[k] += f64::from(new[k]) - f64::from(old[k]);
         }
     }
-}
-
-/// The position that reflection puts at `i`: period 2n, ends repeated.
-#[inline(always)]
-fn fold(i: i64, n: usize) -> usize {
-    if (0..n as i64).contains(&i) {
-        return i as usize;
-    }
-    let j = i.rem_euclid(2 * n as i64) as usize;
-    if j < n { j } else { 2 * n - 1 - j }
 }
 
 #[cfg(test)]

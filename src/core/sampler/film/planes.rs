@@ -103,6 +103,14 @@ impl<'a> Planes<'a> {
         [self.mean[0][i], self.mean[1][i], self.mean[2][i]]
     }
 
+    /// Variance of the mean luminance of pixel `i` as far as its own samples know it: 0 for fewer than two.
+    pub fn variance_of_mean(&self, i: usize) -> f32 {
+        match self.count[i] {
+            0 | 1 => 0.0,
+            n => self.m2[i] / ((n - 1) as f32 * n as f32),
+        }
+    }
+
     /// Mean radiance of up to eight neighbouring pixels.
     #[inline(always)]
     pub fn mean8(&self, pixels: Range<usize>) -> [f32x8; 3] {

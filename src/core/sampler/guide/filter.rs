@@ -157,7 +157,7 @@ impl<'a> Filter<'a> {
                 let i = sampler.layout.index(x as u32, y as u32);
                 let mean = planes.mean.each_ref().map(|plane| plane[i]);
                 let feature = features.get(y * grid.width + x).unwrap_or(&open).limited();
-                let values = pixel(mean, (planes.m2[i], planes.count[i]), &feature);
+                let values = pixel(mean, planes.variance_of_mean(i), planes.count[i], &feature);
                 for (plane, value) in values.into_iter().enumerate() {
                     row[plane * stride + MARGIN + x] = value;
                 }
@@ -185,20 +185,15 @@ impl Band<'_> {
     }
 }
 
-/// Variance of the mean of `count` samples.
-fn variance(m2: f32, count: u32) -> f32 {
-    if count < 2 { 0.0 } else { m2 / ((count - 1) as f32 * count as f32) }
-}
-
 /// What is known of a pixel, plane by plane.
-fn pixel(mean: [f32; 3], (m2, count): (f32, u32), feature: &Feature) -> [f32; known::PLANES] {
+fn pixel(mean: [f32; 3], variance: f32, count: u32, feature: &Feature) -> [f32; known::PLANES] {
     let albedo = feature.albedo.map(|a| a.max(LEAST_ALBEDO));
     let light = [0, 1, 2].map(|c| (mean[c] / albedo[c]).clamp(-LARGEST, LARGEST));
     let shade = luminance(albedo);
     let mut values = [0.0; known::PLANES];
     values[known::LIGHT..][..3].copy_from_slice(&light);
     values[known::UNSEEN] = (MISSED / count.max(1) as f32).min(1.0);
-    values[known::OWN_VARIANCE] = (variance(m2, count) / (shade * shade)).min(LARGEST * LARGEST);
+    values[known::OWN_VARIANCE] = (variance / (shade * shade)).min(LARGEST * LARGEST);
     values[known::NORMAL..][..3].copy_from_slice(&feature.normal);
     values[known::ALBEDO..][..3].copy_from_slice(&feature.albedo);
     values[known::DEPTH] = feature.depth;

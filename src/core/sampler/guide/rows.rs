@@ -2,6 +2,8 @@
 //!
 //! So some rows of all planes are one contiguous slice, which a thread can be given.
 
+use crate::maths::reflect::fold;
+
 /// Pixels beyond the picture's border on each side: as far as a pixel is compared with others, and a bit.
 pub(super) const MARGIN: usize = 16;
 
@@ -34,14 +36,14 @@ impl Grid {
         let row = planes * stride;
         for line in data.chunks_exact_mut(stride).take(row / stride * self.rows()) {
             for i in (0..MARGIN).rev() {
-                line[i] = line[MARGIN + fold(i as isize - MARGIN as isize, self.width)];
+                line[i] = line[MARGIN + fold(i as i64 - MARGIN as i64, self.width)];
             }
             for i in MARGIN + self.width..stride {
-                line[i] = line[MARGIN + fold(i as isize - MARGIN as isize, self.width)];
+                line[i] = line[MARGIN + fold(i as i64 - MARGIN as i64, self.width)];
             }
         }
         for y in (0..MARGIN).chain(MARGIN + self.height..self.rows()) {
-            let from = MARGIN + fold(y as isize - MARGIN as isize, self.height);
+            let from = MARGIN + fold(y as i64 - MARGIN as i64, self.height);
             data.copy_within(from * row..(from + 1) * row, y * row);
         }
     }
@@ -62,12 +64,6 @@ impl<'a> Rows<'a> {
         let stride = self.grid.stride();
         &self.data[(y * self.planes + plane) * stride..][..stride]
     }
-}
-
-/// The position that reflection puts at `i`: period 2n, ends repeated.
-pub(super) fn fold(i: isize, n: usize) -> usize {
-    let j = i.rem_euclid(2 * n as isize) as usize;
-    if j < n { j } else { 2 * n - 1 - j }
 }
 
 #[cfg(test)]
@@ -93,7 +89,7 @@ mod tests {
             for (y, x, plane) in
                 (0..grid.rows()).flat_map(|y| (0..stride).flat_map(move |x| [0, 1].map(|p| (y, x, p))))
             {
-                let of = |i: usize, n| fold(i as isize - MARGIN as isize, n);
+                let of = |i: usize, n| fold(i as i64 - MARGIN as i64, n);
                 let want = (100 * of(y, height) + 2 * of(x, width) + plane) as f32;
                 assert_eq!(rows.row(plane, y)[x], want);
             }

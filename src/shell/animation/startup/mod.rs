@@ -15,7 +15,7 @@
 
 use crate::animation::motion::{Motion, Sight};
 use crate::error::Error;
-use crate::frame::memory::{work, zeros};
+use crate::frame::memory::zeros;
 use crate::frame::render::Learner;
 use crate::frame::settings::{Method, Settings, Startup};
 use crate::scene::{LoadedScene, Pose};
@@ -185,11 +185,12 @@ impl Learner for Predictor {
         let core = film.settings();
         let (width, height) = (core.width as usize, core.height as usize);
         let (mut seen, mut alpha): (Vec<Belief>, Vec<f32>) = (zeros(width * height)?, zeros(width * height)?);
-        film.beliefs(&mut seen).map_err(work)?;
-        film.alpha(&mut alpha).map_err(work)?;
+        film.beliefs(&mut seen).map_err(Error::work)?;
+        film.alpha(&mut alpha).map_err(Error::work)?;
         let mut beliefs = prediction.beliefs.clone();
         beliefs.resize(seen.len(), Belief::NONE);
-        let outlook = Filter::new(core.cd_per_unit).update(width, &mut beliefs, &seen).map_err(work)?;
+        let outlook =
+            Filter::new(core.cd_per_unit).update(width, &mut beliefs, &seen).map_err(Error::work)?;
         let pictures = matches!(view, View::Pictures);
         let picture = if pictures { pictures::coded(film)? } else { Vec::new() };
         self.last = Some(Last { width, height, view, beliefs, alpha, picture, prediction, trusted, outlook });
@@ -212,11 +213,11 @@ impl Last {
     fn carried(&self, positions: &[[f32; 2]], method: Method) -> Result<Prediction, Error> {
         let (width, height) = (self.width, self.height);
         let mut beliefs = zeros(positions.len())?;
-        carry(&self.beliefs, width, height, positions, Belief::NONE, &mut beliefs).map_err(work)?;
+        carry(&self.beliefs, width, height, positions, Belief::NONE, &mut beliefs).map_err(Error::work)?;
         let mut alpha = Vec::new();
         if method == Method::Paper {
             alpha = zeros(positions.len())?;
-            carry(&self.alpha, width, height, positions, f32::NAN, &mut alpha).map_err(work)?;
+            carry(&self.alpha, width, height, positions, f32::NAN, &mut alpha).map_err(Error::work)?;
         }
         Ok(Prediction { beliefs, alpha })
     }

@@ -33,8 +33,7 @@ pub struct Receiver {
 impl Receiver {
     /// Lane `lane` in all lanes.
     fn broadcast(&self, lane: usize) -> Receiver {
-        let splat = |v: Vec3x8| Vec3x8::splat([v.x, v.y, v.z].map(|c| c.to_array()[lane & 7]));
-        Receiver { position: splat(self.position), normal: splat(self.normal) }
+        Receiver { position: self.position.lane(lane), normal: self.normal.lane(lane) }
     }
 }
 
