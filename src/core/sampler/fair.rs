@@ -31,6 +31,11 @@ impl Fair {
         Fair { count: count.max(given).max(1), promised: u64::from(given) << FRACTION_BITS }
     }
 
+    /// Fair samples of a pixel that has that many.
+    pub fn count(self) -> u32 {
+        self.count
+    }
+
     /// Promises `more` samples a pixel.
     pub fn promise(self, more: f64) -> Fair {
         // Rounded up, so that parts of a whole number make it up.

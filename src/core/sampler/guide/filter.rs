@@ -6,6 +6,8 @@
 //! collaborative filtering*, IEEE TIP 2007). With features it works on light, radiance over albedo, so that textures stay
 //! as they are; without, on radiance.
 //!
+//! Variances are those of samples as they are, stratified, by the fair samples against all.
+//!
 //! At last no pixel is made brighter than its samples admit. The eye is most sensitive in the dark, and light that leaks
 //! from lit surroundings into a pixel that has seen none shows: see [`Filter::write`].
 //!
@@ -26,8 +28,10 @@
 
 use super::average::{self, BLOCK_ROWS, Rule, Sources, averages, known};
 use super::feature::Feature;
+use super::noise;
 use super::rows::{Grid, MARGIN, Rows};
 use crate::maths::colour::luminance;
+use crate::maths::eight::{read8, write8};
 use crate::sampler::{Error, Sampler};
 
 /// See [`Filter::PASSES`].
@@ -39,12 +43,12 @@ const LARGEST: f32 = 1e16;
 
 /// How pixels are compared in each pass: what had least Err on a box, a glass sphere and a rough mesh at 4 to 64 samples.
 const RULES: [Rule; PASSES] = [
-    Rule { radius: 10, patch: 5, scale: 1.0, strength: 0.6, features: [0.018, 0.0072, 0.36] },
-    Rule { radius: 14, patch: 2, scale: 2.0, strength: 0.6, features: [0.0054, 0.00216, 0.108] },
+    Rule { radius: 10, patch: 5, scale: 1.0, strength: 0.75, features: [0.018, 0.0072, 0.36] },
+    Rule { radius: 14, patch: 2, scale: 3.0, strength: 0.6, features: [0.0027, 0.00108, 0.054] },
 ];
 
 /// By how many standard deviations of its own mean a pixel may be made brighter, and by how many of its surroundings'.
-const BRIGHTER: (f32, f32) = (10.0, 0.05);
+const BRIGHTER: (f32, f32) = (10.0, 0.15);
 
 /// What is seen by a part of 3/n of a pixel's samples is missed by all n of them once in twenty times.
 const MISSED: f32 = 3.0;
@@ -117,7 +121,7 @@ impl<'a> Filter<'a> {
 
     /// Writes the guide, rows from the top.
     ///
-    /// A pixel whose samples' luminance has mean L and whose mean has variance v gets at most L + 10√v + √v̄/20, v̄ the mean
+    /// A pixel whose samples' luminance has mean L and whose mean has variance v gets at most L + 10√v + 0.15·√v̄, v̄ the mean
     /// of v over 3 × 3 pixels, or the part 3/n of what it was filtered to, n the number of its samples: so much its samples
     /// may have missed.
     ///
@@ -149,23 +153,42 @@ impl<'a> Filter<'a> {
         let (grid, planes) = (self.grid, &sampler.planes);
         let stride = grid.stride();
         let open = Feature { albedo: [1.0; 3], ..Feature::default() };
-        for (y, row) in self.known.chunks_exact_mut(known::PLANES * stride).skip(MARGIN).enumerate() {
-            if y == grid.height {
-                break;
-            }
+        let rows = self.known.chunks_exact_mut(known::PLANES * stride);
+        let ratios = self.averages[0].chunks_exact_mut(averages::PLANES * stride);
+        for (y, (row, ratios)) in rows.zip(ratios).skip(MARGIN).take(grid.height).enumerate() {
             for x in 0..grid.width {
                 let i = sampler.layout.index(x as u32, y as u32);
-                let mean = planes.mean.each_ref().map(|plane| plane[i]);
+                let [mean, fair] = [&planes.mean, &planes.fair].map(|of| of.each_ref().map(|plane| plane[i]));
+                let (variance, count) = (planes.variance_of_mean(i), planes.count[i]);
                 let feature = features.get(y * grid.width + x).unwrap_or(&open).limited();
-                let values = pixel(mean, planes.variance_of_mean(i), planes.count[i], &feature);
+                let values = pixel(mean, variance, count, &feature);
                 for (plane, value) in values.into_iter().enumerate() {
                     row[plane * stride + MARGIN + x] = value;
                 }
+                let ratio = noise::ratio(mean, fair, variance, sampler.fair.count(), count);
+                for (plane, value) in ratio.into_iter().enumerate() {
+                    ratios[plane * stride + MARGIN + x] = value;
+                }
             }
         }
+        self.measure_noise();
         finish(grid, known::PLANES, (known::OWN_VARIANCE, known::VARIANCE), self.known);
         slopes(grid, self.known);
         grid.reflect(known::PLANES, self.known);
+    }
+
+    /// Makes variances those of stratified samples. The ratios are where the first averages will be.
+    fn measure_noise(&mut self) {
+        let (grid, stride) = (self.grid, self.grid.stride());
+        noise::gather(grid, averages::PLANES, self.averages[0]);
+        let gathered = Rows { data: self.averages[0], planes: averages::PLANES, grid };
+        for y in MARGIN..MARGIN + grid.height {
+            let own = (y * known::PLANES + known::OWN_VARIANCE) * stride;
+            for x in (MARGIN..MARGIN + grid.width).step_by(8) {
+                let variance = &mut self.known[own + x..own + stride];
+                write8(variance, read8(variance) * noise::factors(&gathered, x, y));
+            }
+        }
     }
 }
 

@@ -5,6 +5,7 @@
 mod average;
 mod feature;
 mod filter;
+mod noise;
 mod rows;
 pub use feature::Feature;
 pub use filter::{Band, Filter};
