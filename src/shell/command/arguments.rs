@@ -1,5 +1,7 @@
 //! The command line as data.
 
+use super::layers::Wish;
+use super::values::{exr_path, finite, fov, fps, gamma, mp4_path, positive, size, threads, vector};
 use clap::error::ErrorKind;
 use clap::{Args, Parser, Subcommand};
 use pmcip::animation::sequence;
@@ -61,6 +63,15 @@ pub struct Render {
     /// Brightness of the PNG in stops: each doubles it [default: the scene's, or 0]
     #[arg(long, value_name = "EV", allow_hyphen_values = true, value_parser = finite)]
     pub exposure: Option<f32>,
+    /// Layers of the EXR file beside the picture, one or more
+    #[arg(
+        long,
+        value_enum,
+        value_name = "LIST",
+        value_delimiter = ',',
+        default_value = "variance,count,kernel"
+    )]
+    pub layers: Vec<Wish>,
     /// Estimated perceptual error (Err) below which a frame ends, with --spp samples per pixel at most
     #[arg(long, value_name = "E", value_parser = positive, allow_negative_numbers = true, conflicts_with = "iterations")]
     pub target_err: Option<f32>,
@@ -271,68 +282,6 @@ pub fn refuse(refusal: &clap::Error) -> ExitCode {
         }
     }
     ExitCode::from(refusal.exit_code() as u8)
-}
-
-fn exr_path(text: &str) -> Result<PathBuf, String> {
-    let path = PathBuf::from(text);
-    let is_exr = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr"));
-    if is_exr { Ok(path) } else { Err("the name must end in .exr".into()) }
-}
-
-fn mp4_path(text: &str) -> Result<PathBuf, String> {
-    let path = PathBuf::from(text);
-    let is_mp4 = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("mp4"));
-    if is_mp4 { Ok(path) } else { Err("the name must end in .mp4".into()) }
-}
-
-fn fps(text: &str) -> Result<f32, String> {
-    let number = finite(text).ok().filter(|number| (0.01..=1000.0).contains(number));
-    number.ok_or_else(|| "expected a number from 0.01 to 1000".into())
-}
-
-fn size(text: &str) -> Result<(u32, u32), String> {
-    let numbers = text.split_once(['x', 'X', '×']).map(|(width, height)| (width.parse(), height.parse()));
-    match numbers {
-        Some((Ok(width @ 1..=pmcip::scene::MAX_SIZE), Ok(height @ 1..=pmcip::scene::MAX_SIZE))) => {
-            Ok((width, height))
-        }
-        _ => Err(format!("expected WxH with numbers from 1 to {}, such as 640x480", pmcip::scene::MAX_SIZE)),
-    }
-}
-
-fn vector(text: &str) -> Result<[f32; 3], String> {
-    let numbers: Vec<f32> = text.split(',').filter_map(|number| finite(number.trim()).ok()).collect();
-    let wanted = "expected three numbers X,Y,Z, such as 0,1.5,-2";
-    if text.split(',').count() == 3 {
-        numbers.try_into().map_err(|_| wanted.into())
-    } else {
-        Err(wanted.into())
-    }
-}
-
-fn finite(text: &str) -> Result<f32, String> {
-    let number = text.parse().ok().filter(|number: &f32| number.is_finite());
-    number.ok_or_else(|| "expected a number".into())
-}
-
-fn positive(text: &str) -> Result<f32, String> {
-    let number = finite(text).ok().filter(|number| *number > 0.0);
-    number.ok_or_else(|| "expected a number above 0".into())
-}
-
-fn gamma(text: &str) -> Result<f32, String> {
-    let number = finite(text).ok().filter(|number| (0.0..=4.0).contains(number));
-    number.ok_or_else(|| "expected a number from 0 to 4".into())
-}
-
-fn fov(text: &str) -> Result<f32, String> {
-    let number = finite(text).ok().filter(|number| *number > 0.0 && *number < 180.0);
-    number.ok_or_else(|| "expected degrees between 0 and 180".into())
-}
-
-fn threads(text: &str) -> Result<usize, String> {
-    let number = text.parse().ok().filter(|number| (1..=1024).contains(number));
-    number.ok_or_else(|| "expected a number from 1 to 1024".into())
 }
 
 #[cfg(test)]

@@ -6,11 +6,13 @@ mod compare;
 mod error;
 mod frames;
 mod info;
+mod layers;
 mod print;
 pub mod processor;
 mod progress;
 mod reference;
 mod render;
+mod values;
 
 use arguments::Command;
 use common::Failure;
