@@ -27,6 +27,13 @@ pub struct Arguments {
 pub enum Command {
     /// Render a scene, or frames of an animation, to EXR and PNG files
     Render(Box<Render>),
+    /// Give a denoised picture the energy of the frame it was made of
+    ///
+    /// The frame needs the layer `unbiased`: render it with --layers unbiased, or with albedo,normal,unbiased for the
+    /// denoiser's sake. What was denoised may be of any program, and of any quality: the result has the energy of the
+    /// unbiased samples in every neighbourhood. It keeps the frame's other layers and its settings.
+    #[command(verbatim_doc_comment)]
+    Guide(Guide),
     /// Render a reference: uniform samples, EXR only, with the variance of every pixel
     Reference(Reference),
     /// Measure methods against each other: error against time and samples, as a page, JSON and CSV
@@ -94,6 +101,26 @@ pub struct Render {
     #[arg(long, value_name = "N", value_parser = fps, requires = "video")]
     pub fps: Option<f32>,
     /// Print one JSON object instead of words; with --frames one line for each frame
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `guide`.
+#[derive(Debug, Args)]
+pub struct Guide {
+    /// Frame of `render` with the layer `unbiased`
+    #[arg(value_name = "FRAME.exr")]
+    pub frame: PathBuf,
+    /// Picture that was made of it, of the same size
+    #[arg(long, value_name = "DENOISED.exr")]
+    pub with: PathBuf,
+    /// EXR file to write, with a PNG beside it
+    #[arg(short, long, value_name = "OUT.exr", value_parser = exr_path)]
+    pub output: PathBuf,
+    /// Brightness of the PNG in stops: each doubles it
+    #[arg(long, value_name = "EV", allow_hyphen_values = true, value_parser = finite, default_value_t = 0.0)]
+    pub exposure: f32,
+    /// Print one JSON object instead of words
     #[arg(long)]
     pub json: bool,
 }
