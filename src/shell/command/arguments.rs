@@ -5,7 +5,7 @@ use super::values::{exr_path, finite, fov, fps, gamma, mp4_path, positive, size,
 use clap::error::ErrorKind;
 use clap::{Args, Parser, Subcommand};
 use pmcip::animation::sequence;
-use pmcip::compare::Variant;
+use pmcip::compare::{Other, Variant};
 use pmcip::frame::settings::{
     DEFAULT_LIGHT_SAMPLES, DEFAULT_PHOTONS, Estimate, Integrator, MAX_DEPTH, MAX_LIGHT_SAMPLES, MAX_PHOTONS,
     Method, Startup,
@@ -203,6 +203,9 @@ pub struct Compare {
     /// Methods beside uniform: pmc, paper, or one of them with changes, as pmc:pooled or pmc:gamma=0.5+pooled
     #[arg(long, value_name = "NAME,NAME,…", value_delimiter = ',', default_value = "uniform,paper,pmc")]
     pub methods: Vec<Variant>,
+    /// Picture of another program and the seconds it took, measured beside the methods; may be repeated
+    #[arg(long = "other", value_name = "NAME=A.exr:SECONDS", conflicts_with = "frames")]
+    pub others: Vec<Other>,
     /// Renders of each method at each sample count, all with different seeds
     #[arg(long, value_name = "R", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub runs: u32,
