@@ -291,7 +291,7 @@ fn images_that_do_not_fit_are_refused() {
 #[test]
 fn help_is_there_for_everything() {
     let folder = tempfile::tempdir().unwrap();
-    for command in ["", "render", "compare", "reference", "error", "info"] {
+    for command in ["", "render", "guide", "compare", "reference", "error", "info"] {
         let help = success(folder.path(), &format!("{command} --help"));
         assert!(help.contains("Usage: pmcip"), "{help}");
     }

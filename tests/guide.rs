@@ -2,7 +2,7 @@
 
 use pmcip_core::sampler::batch::{Batch8, Integrand, Rgb8};
 use pmcip_core::sampler::estimate::Estimator;
-use pmcip_core::sampler::guide::{Band, Feature, Filter};
+use pmcip_core::sampler::guide::{Band, Feature, Filter, Pictures};
 use pmcip_core::sampler::{Error, Memory, Sampler, Schedule, Settings, Workspace};
 use proptest::prelude::*;
 use wide::f32x8;
@@ -57,6 +57,17 @@ fn guided(sampler: &Sampler<'_>, guide: &[[f32; 3]]) -> Vec<[f32; 3]> {
     rgb
 }
 
+/// The same from pictures of the film alone.
+fn restored(sampler: &Sampler<'_>, guide: &[[f32; 3]]) -> Vec<[f32; 3]> {
+    let &Settings { width, height, balance_radius, .. } = sampler.settings();
+    let (unbiased, mean) = (resolved(sampler, Estimator::Difference), resolved(sampler, Estimator::Pooled));
+    let pictures = Pictures { width, height, balance_radius, guide, unbiased: &unbiased, mean: &mean };
+    let mut scratch = vec![[7.0; 16]; Sampler::resolve_scratch(width, height)];
+    let mut rgb = vec![[0.0; 3]; guide.len()];
+    pictures.restore(&mut scratch, &mut rgb).unwrap();
+    rgb
+}
+
 fn sum(picture: &[[f32; 3]], c: usize) -> f64 {
     picture.iter().map(|rgb| f64::from(rgb[c])).sum()
 }
@@ -69,6 +80,7 @@ fn magnitude(picture: &[[f32; 3]], c: usize) -> f64 {
 fn check_energy(sampler: &Sampler<'_>, guide: &[[f32; 3]]) {
     let fair = resolved(sampler, Estimator::Difference);
     let picture = guided(sampler, guide);
+    assert_eq!(picture, restored(sampler, guide), "the film and its pictures give the same");
     assert!(picture.as_flattened().iter().all(|v| v.is_finite()));
     let usable = |rgb: &[f32; 3]| rgb.iter().all(|v| v.abs() <= 1e15);
     let counted: Vec<[f32; 3]> = guide.iter().copied().filter(usable).collect();
@@ -119,6 +131,30 @@ fn a_guide_of_another_size_is_refused() {
         let refused = sampler.resolve_guided(&[[0.0; 3]; 81], &mut scratch, &mut [[0.0; 3]; 81]);
         assert_eq!(refused, Err(Error::Estimator));
     });
+}
+
+#[test]
+fn pictures_that_do_not_fit_are_refused() {
+    let (six, five) = ([[1.0; 3]; 6], [[1.0; 3]; 5]);
+    let fitting =
+        Pictures { width: 3, height: 2, balance_radius: 9, guide: &six, unbiased: &six, mean: &six };
+    let refusal = |pictures: Pictures<'_>, pixels: usize| {
+        let mut scratch = vec![[0.0; 16]; Sampler::resolve_scratch(3, 2)];
+        pictures.restore(&mut scratch, &mut vec![[0.0; 3]; pixels]).err()
+    };
+    assert_eq!(refusal(fitting, 6), None);
+    assert_eq!(refusal(fitting, 5), Some(Error::Output));
+    assert_eq!(refusal(Pictures { height: 0, ..fitting }, 6), Some(Error::Size));
+    assert_eq!(refusal(Pictures { height: 3, ..fitting }, 9), Some(Error::Guide));
+    assert_eq!(refusal(Pictures { balance_radius: 1 << 20, ..fitting }, 6), Some(Error::BalanceRadius));
+    for short in [
+        Pictures { guide: &five, ..fitting },
+        Pictures { unbiased: &five, ..fitting },
+        Pictures { mean: &five, ..fitting },
+    ] {
+        assert_eq!(refusal(short, 6), Some(Error::Guide));
+    }
+    assert_eq!(fitting.restore(&mut [], &mut [[0.0; 3]; 6]), Err(Error::Scratch));
 }
 
 proptest! {

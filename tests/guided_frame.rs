@@ -33,13 +33,18 @@ fn features_are_those_of_the_first_rough_surface() {
     let camera = Camera::new(view.from, view.at, view.up, view.fov, 60, 60).unwrap();
     let mut eye = Features::new(Scene::new(scene.data()).unwrap(), camera, 8);
     let (mut row, mut again) = ([Feature::default(); 60], [Feature::default(); 60]);
-    eye.row(30, &mut row);
-    eye.row(30, &mut again);
+    let mut coverage = [9.0; 59];
+    eye.row(30, &mut row, &mut coverage);
+    eye.row(30, &mut again, &mut []);
     assert_eq!(row, again);
     for seen in &row {
         let length = seen.normal.iter().map(|v| v * v).sum::<f32>().sqrt();
         assert!(length < 1.0 + 1e-5 && seen.depth >= 0.0);
         assert!(seen.albedo.iter().all(|a| (0.0..=1.0).contains(a)));
+    }
+    for (seen, coverage) in row.iter().zip(coverage) {
+        assert!((0.0..=1.0).contains(&coverage) && (8.0 * coverage).fract() == 0.0);
+        assert_eq!(coverage > 0.0, seen.depth > 0.0);
     }
     let flat = row.iter().filter(|seen| seen.depth > 0.0 && seen.normal.iter().any(|v| v.abs() > 0.999));
     assert!(flat.count() > 30, "walls look along the axes");

@@ -8,12 +8,15 @@
 //! pixel has.
 
 use crate::error::Error;
+use crate::frame::memory::zeros;
+use crate::frame::settings::{Layer, Settings};
 use crate::scene::{LoadedScene, Pose, View};
 use glam::Vec3;
 use pmcip_core::maths::vec3::Vec3x8;
 use pmcip_core::tracer::camera::Camera;
 use pmcip_core::tracer::scene::Scene;
 use pmcip_core::tracer::trace::{MISS, Rays8, Tracer};
+use std::collections::BTreeMap;
 use wide::f32x8;
 
 /// The object of a pixel that shows none.
@@ -45,6 +48,29 @@ pub struct Motion {
     pub height: u32,
     /// One a pixel.
     pub sights: Vec<Sight>,
+}
+
+/// The planes of [`Layer::Motion`] by channel: pixels, to the right and downwards, by which what a pixel shows has moved
+/// since everything stood `before`; 0 without that, and where it was beside or behind the camera.
+///
+/// # Errors
+/// As [`Motion::new`], and [`Error::Work`] if memory is lacking.
+pub fn layer(
+    scene: &LoadedScene,
+    settings: &Settings,
+    before: Option<&Pose>,
+) -> Result<BTreeMap<String, Vec<f32>>, Error> {
+    let (width, height) = (settings.sampler.width, settings.sampler.height);
+    let pixels = width as usize * height as usize;
+    let mut planes: [Vec<f32>; 2] = [zeros(pixels)?, zeros(pixels)?];
+    if let Some(before) = before {
+        let motion = Motion::new(scene, &settings.view, before, width, height)?;
+        for (i, shift) in motion.shifts().enumerate() {
+            (planes[0][i], planes[1][i]) = (shift[0], shift[1]);
+        }
+    }
+    let channels = Layer::Motion.channels().iter().map(|name| (*name).to_owned());
+    Ok(channels.zip(planes).collect())
 }
 
 impl Motion {
@@ -98,6 +124,16 @@ impl Motion {
             }
         }
         Ok(Motion { width, height, sights })
+    }
+
+    /// By how many pixels, to the right and downwards, what each pixel shows has moved; 0 if nobody knows.
+    fn shifts(&self) -> impl Iterator<Item = [f32; 2]> {
+        let centre = |i: usize| [i % self.width as usize, i / self.width as usize].map(|at| at as f32 + 0.5);
+        let shift = move |(i, sight): (usize, &Sight)| {
+            let ([x, y], [x_before, y_before]) = (centre(i), sight.before.unwrap_or(centre(i)));
+            [x - x_before, y - y_before]
+        };
+        self.sights.iter().enumerate().map(shift)
     }
 
     /// The pixel of the frame before that shows what pixel `i` shows now, with what was seen in that frame.

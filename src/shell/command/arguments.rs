@@ -1,9 +1,11 @@
 //! The command line as data.
 
+use super::layers::Wish;
+use super::values::{exr_path, finite, fov, fps, gamma, mp4_path, positive, size, threads, vector};
 use clap::error::ErrorKind;
 use clap::{Args, Parser, Subcommand};
 use pmcip::animation::sequence;
-use pmcip::compare::Variant;
+use pmcip::compare::{Other, Variant};
 use pmcip::frame::settings::{
     DEFAULT_LIGHT_SAMPLES, DEFAULT_PHOTONS, Estimate, Integrator, MAX_DEPTH, MAX_LIGHT_SAMPLES, MAX_PHOTONS,
     Method, Startup,
@@ -25,6 +27,13 @@ pub struct Arguments {
 pub enum Command {
     /// Render a scene, or frames of an animation, to EXR and PNG files
     Render(Box<Render>),
+    /// Give a denoised picture the energy of the frame it was made of
+    ///
+    /// The frame needs the layer `unbiased`: render it with --layers unbiased, or with albedo,normal,unbiased for the
+    /// denoiser's sake. What was denoised may be of any program, and of any quality: the result has the energy of the
+    /// unbiased samples in every neighbourhood. It keeps the frame's other layers and its settings.
+    #[command(verbatim_doc_comment)]
+    Guide(Guide),
     /// Render a reference: uniform samples, EXR only, with the variance of every pixel
     Reference(Reference),
     /// Measure methods against each other: error against time and samples, as a page, JSON and CSV
@@ -61,6 +70,15 @@ pub struct Render {
     /// Brightness of the PNG in stops: each doubles it [default: the scene's, or 0]
     #[arg(long, value_name = "EV", allow_hyphen_values = true, value_parser = finite)]
     pub exposure: Option<f32>,
+    /// Layers of the EXR file beside the picture, one or more
+    #[arg(
+        long,
+        value_enum,
+        value_name = "LIST",
+        value_delimiter = ',',
+        default_value = "variance,count,kernel"
+    )]
+    pub layers: Vec<Wish>,
     /// Estimated perceptual error (Err) below which a frame ends, with --spp samples per pixel at most
     #[arg(long, value_name = "E", value_parser = positive, allow_negative_numbers = true, conflicts_with = "iterations")]
     pub target_err: Option<f32>,
@@ -83,6 +101,26 @@ pub struct Render {
     #[arg(long, value_name = "N", value_parser = fps, requires = "video")]
     pub fps: Option<f32>,
     /// Print one JSON object instead of words; with --frames one line for each frame
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `guide`.
+#[derive(Debug, Args)]
+pub struct Guide {
+    /// Frame of `render` with the layer `unbiased`
+    #[arg(value_name = "FRAME.exr")]
+    pub frame: PathBuf,
+    /// Picture that was made of it, of the same size
+    #[arg(long, value_name = "DENOISED.exr")]
+    pub with: PathBuf,
+    /// EXR file to write, with a PNG beside it
+    #[arg(short, long, value_name = "OUT.exr", value_parser = exr_path)]
+    pub output: PathBuf,
+    /// Brightness of the PNG in stops: each doubles it
+    #[arg(long, value_name = "EV", allow_hyphen_values = true, value_parser = finite, default_value_t = 0.0)]
+    pub exposure: f32,
+    /// Print one JSON object instead of words
     #[arg(long)]
     pub json: bool,
 }
@@ -165,6 +203,9 @@ pub struct Compare {
     /// Methods beside uniform: pmc, paper, or one of them with changes, as pmc:pooled or pmc:gamma=0.5+pooled
     #[arg(long, value_name = "NAME,NAME,…", value_delimiter = ',', default_value = "uniform,paper,pmc")]
     pub methods: Vec<Variant>,
+    /// Picture of another program and the seconds it took, measured beside the methods; may be repeated
+    #[arg(long = "other", value_name = "NAME=A.exr:SECONDS", conflicts_with = "frames")]
+    pub others: Vec<Other>,
     /// Renders of each method at each sample count, all with different seeds
     #[arg(long, value_name = "R", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub runs: u32,
@@ -271,68 +312,6 @@ pub fn refuse(refusal: &clap::Error) -> ExitCode {
         }
     }
     ExitCode::from(refusal.exit_code() as u8)
-}
-
-fn exr_path(text: &str) -> Result<PathBuf, String> {
-    let path = PathBuf::from(text);
-    let is_exr = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr"));
-    if is_exr { Ok(path) } else { Err("the name must end in .exr".into()) }
-}
-
-fn mp4_path(text: &str) -> Result<PathBuf, String> {
-    let path = PathBuf::from(text);
-    let is_mp4 = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("mp4"));
-    if is_mp4 { Ok(path) } else { Err("the name must end in .mp4".into()) }
-}
-
-fn fps(text: &str) -> Result<f32, String> {
-    let number = finite(text).ok().filter(|number| (0.01..=1000.0).contains(number));
-    number.ok_or_else(|| "expected a number from 0.01 to 1000".into())
-}
-
-fn size(text: &str) -> Result<(u32, u32), String> {
-    let numbers = text.split_once(['x', 'X', '×']).map(|(width, height)| (width.parse(), height.parse()));
-    match numbers {
-        Some((Ok(width @ 1..=pmcip::scene::MAX_SIZE), Ok(height @ 1..=pmcip::scene::MAX_SIZE))) => {
-            Ok((width, height))
-        }
-        _ => Err(format!("expected WxH with numbers from 1 to {}, such as 640x480", pmcip::scene::MAX_SIZE)),
-    }
-}
-
-fn vector(text: &str) -> Result<[f32; 3], String> {
-    let numbers: Vec<f32> = text.split(',').filter_map(|number| finite(number.trim()).ok()).collect();
-    let wanted = "expected three numbers X,Y,Z, such as 0,1.5,-2";
-    if text.split(',').count() == 3 {
-        numbers.try_into().map_err(|_| wanted.into())
-    } else {
-        Err(wanted.into())
-    }
-}
-
-fn finite(text: &str) -> Result<f32, String> {
-    let number = text.parse().ok().filter(|number: &f32| number.is_finite());
-    number.ok_or_else(|| "expected a number".into())
-}
-
-fn positive(text: &str) -> Result<f32, String> {
-    let number = finite(text).ok().filter(|number| *number > 0.0);
-    number.ok_or_else(|| "expected a number above 0".into())
-}
-
-fn gamma(text: &str) -> Result<f32, String> {
-    let number = finite(text).ok().filter(|number| (0.0..=4.0).contains(number));
-    number.ok_or_else(|| "expected a number from 0 to 4".into())
-}
-
-fn fov(text: &str) -> Result<f32, String> {
-    let number = finite(text).ok().filter(|number| *number > 0.0 && *number < 180.0);
-    number.ok_or_else(|| "expected degrees between 0 and 180".into())
-}
-
-fn threads(text: &str) -> Result<usize, String> {
-    let number = text.parse().ok().filter(|number| (1..=1024).contains(number));
-    number.ok_or_else(|| "expected a number from 1 to 1024".into())
 }
 
 #[cfg(test)]

@@ -53,13 +53,18 @@ pub fn path_settings(scene: &LoadedScene, common: &Common, method: Method, spp: 
     let mut settings = Settings::new(scene, method, spp, common.size);
     settings.max_depth = common.max_depth.unwrap_or(settings.max_depth);
     settings.sampler.seed = common.seed;
-    settings.view = View {
-        from: common.look_from.unwrap_or(scene.view.from),
-        at: common.look_at.unwrap_or(scene.view.at),
-        up: common.up.unwrap_or(scene.view.up),
-        fov: common.fov.unwrap_or(scene.view.fov),
-    };
+    settings.view = view(common, scene.view);
     settings
+}
+
+/// The camera of the command, where it says nothing that of the scene.
+pub fn view(common: &Common, scene: View) -> View {
+    View {
+        from: common.look_from.unwrap_or(scene.from),
+        at: common.look_at.unwrap_or(scene.at),
+        up: common.up.unwrap_or(scene.up),
+        fov: common.fov.unwrap_or(scene.fov),
+    }
 }
 
 pub fn work(scene: &LoadedScene, settings: &Settings, common: &Common) -> Result<Frame, Failure> {

@@ -4,7 +4,7 @@ use super::arguments::Compare;
 use super::common::{Failure, bad, blame, failed, load, note, path_settings, print_json, say, settings};
 use super::progress;
 use pmcip::compare::report::{FILES, Report};
-use pmcip::compare::{self, Comparison, Moving, Plan, Shot, Stage, Still, reference};
+use pmcip::compare::{self, Comparison, Moving, Other, Plan, Shot, Stage, Still, reference};
 use pmcip::error::Error;
 use pmcip::frame::settings::{Method, Settings};
 use pmcip::picture::frame_io::Picture;
@@ -29,11 +29,23 @@ pub fn compare_methods(arguments: &Compare) -> Result<(), Failure> {
 
 fn compare_still(arguments: &Compare, scene: &LoadedScene) -> Result<(), Failure> {
     let base = settings(scene, &arguments.common, Method::Uniform, None)?;
+    let others = read_others(arguments, &base)?;
     let reference = find_reference(scene, &base, arguments)?;
     let mut stage =
         Still(Shot { scene, base, reference: &reference.picture, noise: reference.energy_noise() });
-    let (plan, comparison) = run_plan(arguments, &mut stage, base)?;
+    let (plan, mut comparison) = run_plan(arguments, &mut stage, base)?;
+    for (other, picture) in others {
+        comparison.add(other, &picture, &stage.0).map_err(blame)?;
+    }
     finish_report(arguments, Report::new(scene, &plan, &reference, &comparison))
+}
+
+/// The pictures of other programs, those of one name in a row: read before any work, since they may not fit.
+fn read_others(arguments: &Compare, base: &Settings) -> Result<Vec<(Other, Picture)>, Failure> {
+    let read = |other: &Other| other.read(base).map(|picture| (other.clone(), picture)).map_err(bad);
+    let mut others = arguments.others.iter().map(read).collect::<Result<Vec<_>, _>>()?;
+    others.sort_by(|(a, _), (b, _)| a.name.cmp(&b.name));
+    Ok(others)
 }
 
 fn compare_sequence(

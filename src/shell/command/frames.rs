@@ -1,20 +1,21 @@
 //! The command `render --frames`: frame after frame, kept, resumed, and made into a video.
 
 use super::arguments::Render;
-use super::common::{Failure, bad, blame, failed, load, look, say};
+use super::common::{Failure, bad, blame, failed, load, look, say, view};
 use super::print::Rendered;
 use super::progress;
 use super::render::{output_name, render_settings};
 use indicatif::ProgressBar;
+use pmcip::animation::motion;
 use pmcip::animation::sequence::{self, Range, State};
 use pmcip::animation::startup::Predictor;
 use pmcip::animation::video::{self, Video};
 use pmcip::compare::reference::fingerprint;
 use pmcip::frame::render;
-use pmcip::frame::settings::Settings;
+use pmcip::frame::settings::{Layer, Settings};
 use pmcip::picture::frame_io;
 use pmcip::picture::output;
-use pmcip::scene::{Animation, LoadedScene};
+use pmcip::scene::{Animation, LoadedScene, Pose};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
@@ -179,7 +180,10 @@ impl Sequence<'_> {
         let threads = self.arguments.common.threads;
         let progress = |samples| bar.inc(samples);
         let done = render::render_next(scene, &settings, threads, &progress, &mut self.predictor);
-        let done = done.map_err(blame)?;
+        let mut done = done.map_err(blame)?;
+        if settings.layers.contains(Layer::Motion) {
+            done.layers.extend(self.motion(&settings)?);
+        }
         let mut picture = done.picture(&settings, scene);
         picture.attributes.extend(attributes);
         let files = self.files(frame);
@@ -195,6 +199,13 @@ impl Sequence<'_> {
         self.total.rebuilds += u32::from(rebuild_seconds.is_some());
         self.total.rebuild_seconds += rebuild_seconds.unwrap_or(0.0);
         Ok(())
+    }
+
+    /// How what the frame shows has moved since the one before, whether that was rendered or not.
+    fn motion(&self, settings: &Settings) -> Result<BTreeMap<String, Vec<f32>>, Failure> {
+        let before = self.animation.before().map_err(bad)?;
+        let before = before.map(|pose| Pose { view: view(&self.arguments.common, pose.view), ..pose });
+        motion::layer(self.animation.scene(), settings, before.as_ref()).map_err(blame)
     }
 
     fn print(&self, line: &Line) {

@@ -5,12 +5,15 @@ mod common;
 mod compare;
 mod error;
 mod frames;
+mod guide;
 mod info;
+mod layers;
 mod print;
 pub mod processor;
 mod progress;
 mod reference;
 mod render;
+mod values;
 
 use arguments::Command;
 use common::Failure;
@@ -22,6 +25,7 @@ pub fn run(command: Command) -> Result<(), Failure> {
             Some(range) => frames::render_frames(&arguments, range),
             None => render::render_frame(&arguments),
         },
+        Command::Guide(arguments) => guide::guide_picture(&arguments),
         Command::Reference(arguments) => reference::render_reference(&arguments),
         Command::Compare(arguments) => compare::compare_methods(&arguments),
         Command::Error(arguments) => error::measure(&arguments),

@@ -2,6 +2,7 @@
 
 use super::arguments::Render;
 use super::common::{Failure, bad, failed, load, print, settings, work};
+use super::layers;
 use super::print::Rendered;
 use pmcip::frame::schedule::Target;
 use pmcip::frame::settings::Settings;
@@ -36,6 +37,8 @@ pub fn render_settings(scene: &LoadedScene, arguments: &Render) -> Result<Settin
     settings.iterations = arguments.iterations.unwrap_or(settings.iterations);
     settings.sampler.gamma = arguments.gamma.unwrap_or(settings.sampler.gamma);
     settings.set_estimator(arguments.estimator.map_or(settings.sampler.estimator, Into::into));
+    let follows = arguments.frames.is_some();
+    settings.layers = layers::chosen(&arguments.layers, settings.sampler.estimator, follows).map_err(bad)?;
     settings.target = arguments.target_err.map(|err| Target { err, expected_spp: None });
     Ok(settings)
 }

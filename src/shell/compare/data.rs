@@ -1,5 +1,6 @@
 //! What a comparison has shown: rows, curves, pictures.
 
+use super::other::Other;
 use super::stats::Measures;
 use crate::frame::render::Frame;
 use crate::frame::settings::Settings;
@@ -8,14 +9,14 @@ use serde::Serialize;
 /// One method at one sample count.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Row {
-    /// Name of the variant.
+    /// Name of the variant, or of what made another program's picture.
     pub method: String,
-    /// Samples a pixel.
-    pub spp: u32,
-    /// Rounds of sampling.
-    pub iterations: u32,
-    /// How samples became pixels.
-    pub estimator: String,
+    /// Samples a pixel; none of another program's picture.
+    pub spp: Option<u32>,
+    /// Rounds of sampling, likewise.
+    pub iterations: Option<u32>,
+    /// How samples became pixels, likewise.
+    pub estimator: Option<String>,
     /// Median wall time of a render.
     pub seconds: f64,
     /// Means of the errors.
@@ -26,7 +27,7 @@ pub struct Row {
     /// Mean of Σe/Σref, luminance.
     pub energy_bias: f64,
     /// Its standard error: from the spread of the runs, or within the picture if there is one run, and the reference's
-    /// own, if anything tells that.
+    /// own, if anything tells that. Not a number of another program's picture without variance.
     pub energy_bias_stderr: f64,
     /// Half the width of an interval that contains the truth in at least 95 % of all cases, by Student's t.
     pub energy_bias_ci95: f64,
@@ -70,12 +71,14 @@ pub struct FrameRow {
 /// What a plan's renders have shown.
 #[derive(Clone, Debug)]
 pub struct Comparison {
-    /// By method, then by sample count.
+    /// By method, then by sample count; then those of other programs' pictures.
     pub rows: Vec<Row>,
     /// By method, then by sample count, then by frame; empty for a still picture.
     pub frames: Vec<FrameRow>,
     /// One for each method, of the first frame.
     pub shown: Vec<Shown>,
+    /// Pictures of other programs.
+    pub others: Vec<Other>,
     /// What an oracle would gain over uniform sampling in Err in the first frame, if the reference has a `variance`
     /// plane.
     pub oracle_ratio: Option<f64>,

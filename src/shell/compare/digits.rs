@@ -9,6 +9,16 @@ pub fn number(value: f64) -> String {
     }
 }
 
+/// A count, if there is one.
+pub fn count(value: Option<u32>) -> String {
+    value.map_or("–".into(), |value| value.to_string())
+}
+
+/// A number with so many digits after the point.
+pub fn fixed(value: f64, digits: usize) -> String {
+    if value.is_finite() { format!("{value:.digits$}") } else { "–".into() }
+}
+
 /// A number with so many significant digits, and an exponent only if it is very large or small.
 pub fn significant(value: f64, digits: usize) -> String {
     let precision = digits.saturating_sub(1);

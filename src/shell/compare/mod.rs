@@ -12,6 +12,9 @@
 //! What is rendered, a [`Stage`], is a still picture or the frames of an animation. Of frames there are curves and one
 //! measure more, flicker; a row then has the means over all frames.
 //!
+//! Pictures of other programs, [`Other`], are rows as well, measured against the same reference; they have no pictures on the
+//! page.
+//!
 //! The energy bias has a standard error that contains the spread of the runs and the reference's own noise, as far as
 //! anything tells that ([`reference::noise`]), and an interval of at least 95 % by Student's t: three runs know their spread so badly
 //! that two standard errors would miss the truth in one case of five. With a single run the `variance` plane of its
@@ -20,9 +23,11 @@
 //! Limits: errors contain the reference's own noise, which [`Reference`](reference::Reference) estimates, and every
 //! method's last picture is kept, hence 24 bytes a pixel and method.
 
+mod add;
 mod colour;
 mod data;
 mod digits;
+mod other;
 mod page;
 mod pictures;
 mod plan;
@@ -40,6 +45,7 @@ mod variant;
 mod write;
 
 pub use data::{Comparison, FrameRow, Row, Shown};
+pub use other::Other;
 pub use plan::Plan;
 pub use run::run;
 pub use stage::{Moving, Shot, Stage, Still};

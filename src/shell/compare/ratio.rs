@@ -2,7 +2,8 @@
 //!
 //! At equal time the baseline's error is read off its curve over seconds, straight between the measured points in
 //! logarithms and followed up to a factor of two beyond them. With a single sample count the curve is taken to fall
-//! as 1/seconds. Where the curve says nothing the ratio is not a number, `null` in JSON.
+//! as 1/seconds. Where the curve says nothing the ratio is not a number, `null` in JSON; nor are the ratios at equal samples
+//! of another program's picture.
 
 use super::data::{Comparison, Row};
 use super::stats::{Measures, interpolate};
@@ -13,8 +14,8 @@ use serde::Serialize;
 pub struct Ratio {
     /// Name of the variant.
     pub method: String,
-    /// Samples a pixel of the method.
-    pub spp: u32,
+    /// Samples a pixel of the method; none of another program's picture.
+    pub spp: Option<u32>,
     /// Median wall time of the method.
     pub seconds: f64,
     /// The ratios.
@@ -42,11 +43,14 @@ impl Ratios {
         let (baseline, others): (Vec<&Row>, Vec<&Row>) =
             rows.iter().partition(|row| row.method == rows[0].method);
         let both = others.into_iter().filter_map(|row| {
-            let same = baseline.iter().find(|other| other.spp == row.spp)?;
-            Some((
-                ratio(row, same, |of| of(&same.measures)),
-                ratio(row, same, |of| at_time(&baseline, row, of)),
-            ))
+            let same = baseline.iter().copied().find(|other| other.spp == row.spp);
+            let comparable = same.is_some() || row.spp.is_none();
+            comparable.then(|| {
+                (
+                    ratio(row, same, |of| same.map_or(f64::NAN, |same| of(&same.measures))),
+                    ratio(row, same, |of| at_time(&baseline, row, of)),
+                )
+            })
         });
         let (equal_spp, equal_time) = both.unzip();
         Ratios { equal_spp, equal_time }
@@ -60,11 +64,12 @@ fn at_time(baseline: &[&Row], row: &Row, of: fn(&Measures) -> f64) -> f64 {
 }
 
 /// The ratio of `error` to that of `row`; `same` is the baseline at the same samples, whose relative spread counts.
-fn ratio(row: &Row, same: &Row, error: impl Fn(fn(&Measures) -> f64) -> f64) -> Ratio {
+fn ratio(row: &Row, same: Option<&Row>, error: impl Fn(fn(&Measures) -> f64) -> f64) -> Ratio {
     let measures = Measures::build(|of| error(of) / of(&row.measures));
-    let stderr = row.stderr.zip(same.stderr).map(|(own, other)| {
+    let spreads = row.stderr.zip(same.and_then(|same| Some((same.stderr?, same.measures))));
+    let stderr = spreads.map(|(own, (other, same))| {
         Measures::build(|of| {
-            let parts = (of(&own) / of(&row.measures)).hypot(of(&other) / of(&same.measures));
+            let parts = (of(&own) / of(&row.measures)).hypot(of(&other) / of(&same));
             of(&measures) * parts
         })
     });
@@ -74,6 +79,6 @@ fn ratio(row: &Row, same: &Row, error: impl Fn(fn(&Measures) -> f64) -> f64) -> 
         seconds: row.seconds,
         measures,
         stderr,
-        p_eff_gain: row.p_eff / same.p_eff,
+        p_eff_gain: same.map_or(f64::NAN, |same| row.p_eff / same.p_eff),
     }
 }

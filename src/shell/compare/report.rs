@@ -3,6 +3,7 @@
 //! Each file is either complete or not there. The page needs no other file and no network.
 
 use super::data::{Comparison, FrameRow, Row};
+use super::other::Other;
 use super::plan::Plan;
 use super::ratio::Ratios;
 use super::reference::Reference;
@@ -64,6 +65,9 @@ pub struct Report<'a> {
     /// Curves over frames: one a method, sample count and frame; empty for a still picture.
     #[serde(skip_serializing_if = "<[_]>::is_empty")]
     pub frames: &'a [FrameRow],
+    /// Pictures of other programs, whose rows have no samples.
+    #[serde(skip_serializing_if = "<[_]>::is_empty")]
+    pub others: &'a [Other],
     /// Uniform over method.
     pub ratios: Ratios,
     /// What the loader of the scene had to guess.
@@ -96,6 +100,7 @@ impl<'a> Report<'a> {
             oracle_ratio: comparison.oracle_ratio,
             rows: &comparison.rows,
             frames: &comparison.frames,
+            others: &comparison.others,
             ratios: Ratios::new(comparison),
             warnings: &scene.warnings,
             comparison,

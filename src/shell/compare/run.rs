@@ -87,6 +87,7 @@ pub fn run(stage: &mut dyn Stage, plan: &Plan, progress: &(dyn Fn(u64) + Sync)) 
     Ok(Comparison {
         rows: by_method.iter().map(|cell| cell.row()).collect(),
         frames: if stage.is_sequence() { curves() } else { Vec::new() },
+        others: Vec::new(),
         threads: shown.first().map_or(0, |shown| shown.frame.threads),
         shown,
         oracle_ratio,
@@ -159,9 +160,9 @@ impl<'a> Cell<'a> {
         let spread = Spread::sum([self.own_spread(&biases), self.reference_spread(&biases)]);
         Row {
             method: self.variant.to_string(),
-            spp: self.spp,
-            iterations: self.settings.iterations,
-            estimator: word(self.settings.sampler.estimator),
+            spp: Some(self.spp),
+            iterations: Some(self.settings.iterations),
+            estimator: Some(word(self.settings.sampler.estimator)),
             seconds,
             measures,
             p_eff: 1.0 / (seconds * measures.err),

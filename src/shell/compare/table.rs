@@ -1,7 +1,7 @@
 //! A comparison as text: the table of ratios for a terminal, and all rows for a spreadsheet.
 
 use super::data::{FrameRow, Row};
-use super::digits::{number, significant};
+use super::digits::{count, fixed, number, significant};
 use super::ratio::Ratio;
 use super::reference::Source;
 use super::report::Report;
@@ -16,7 +16,9 @@ pub fn csv(rows: &[Row]) -> String {
     let lines = rows.iter().map(|row| {
         let m = &row.measures;
         let errors = row.stderr.map_or([f64::NAN; 3], |s| [s.err, s.err_lowpass, s.rel_mse]);
-        let head = format!("{},{},{},{}", row.method, row.spp, row.iterations, row.estimator);
+        let whole = |value: Option<u32>| value.map_or(String::new(), |value| value.to_string());
+        let (spp, iterations) = (whole(row.spp), whole(row.iterations));
+        let head = format!("{},{spp},{iterations},{}", row.method, row.estimator.as_deref().unwrap_or(""));
         let middle =
             [row.seconds, m.err, row.p_eff, m.err_lowpass, m.mse, m.rel_mse, m.rel_mse_trimmed].map(cell);
         let bias = [row.energy_bias, row.energy_bias_stderr].map(cell).join(",");
@@ -59,7 +61,8 @@ pub fn ratios(report: &Report) -> String {
         "method", "spp", "seconds", "Err", "P-Eff"
     );
     for row in report.rows {
-        let find = |list: &[Ratio]| list.iter().find(|r| r.method == row.method && r.spp == row.spp).cloned();
+        let fits = |r: &&Ratio| r.method == row.method && r.spp == row.spp && r.seconds == row.seconds;
+        let find = |list: &[Ratio]| list.iter().find(fits).cloned();
         let (same, time) = (find(&report.ratios.equal_spp), find(&report.ratios.equal_time));
         let flicker = match row.measures.flicker {
             flicker if flicker.is_nan() => String::new(),
@@ -69,16 +72,16 @@ pub fn ratios(report: &Report) -> String {
             }
         };
         text += &format!(
-            "{:width$}  {:>5} {:>8.3} {:>10}   {}   {}  {:>6}   {:+.3} % ± {:.3}{flicker}\n",
+            "{:width$}  {:>5} {:>8.3} {:>10}   {}   {}  {:>6}   {:+.3} % ± {}{flicker}\n",
             row.method,
-            row.spp,
+            count(row.spp),
             row.seconds,
             significant(row.measures.err, 4),
             group(same.as_ref()),
             group(time.as_ref()),
             number(same.map_or(f64::NAN, |ratio| ratio.p_eff_gain)),
             100.0 * row.energy_bias,
-            100.0 * row.energy_bias_ci95,
+            fixed(100.0 * row.energy_bias_ci95, 3),
         );
     }
     match report.reference.noise_source {

@@ -2,15 +2,17 @@
 //!
 //! The core divides an iteration into jobs that touch disjoint parts of the film. Each thread takes the next one
 //! until none is left; which thread takes which does not matter, so a frame has the same bits for any number of
-//! threads. Memory: 44 bytes a pixel for the film, 24 for the result, and a scratch area for each thread.
+//! threads. Memory: 44 bytes a pixel for the film, 24 for the result, 4 for each further channel of its layers, and a
+//! scratch area for each thread.
 
-use super::guide::{self, Sight};
+use super::features::{Seen, Sight};
 use super::memory::zeros;
 use super::photons::{Order, Photons, Shot};
 use super::schedule::LEAST_SPP;
-use super::settings::{Integrator, Settings};
+use super::settings::{Integrator, Layer, Settings};
 use super::stop::Judge;
 use super::threads::{Crew, start_threads};
+use super::{guide, layers};
 use crate::error::Error;
 use crate::picture::frame_io::Picture;
 use crate::scene::LoadedScene;
@@ -73,6 +75,9 @@ pub struct Frame {
     pub count: Vec<u32>,
     /// The kernel of the last iteration; sums to one.
     pub alpha: Vec<f32>,
+    /// Planes of further layers by channel name, as far as [`Settings::layers`] asks for them; [`Layer::Motion`] is added by
+    /// who knows the frame before.
+    pub layers: BTreeMap<String, Vec<f32>>,
     /// Samples accepted and rejected.
     pub tally: Tally,
     /// Photon maps that were shot, if any were.
@@ -101,16 +106,26 @@ impl Frame {
         list.map(|(name, value)| (name.to_owned(), value))
     }
 
-    /// The frame as it goes to disk: the planes `variance`, `count`, `alpha`, and every setting by name.
+    /// The frame as it goes to disk: with the layers asked for, and every setting by name.
     pub fn picture(&self, settings: &Settings, scene: &LoadedScene) -> Picture {
-        let count = self.count.iter().map(|n| *n as f32).collect();
-        let planes = [("variance", self.variance.clone()), ("count", count), ("alpha", self.alpha.clone())];
+        let counted = [Layer::Variance, Layer::Count, Layer::Kernel].into_iter();
+        let counted = counted.filter(|layer| settings.layers.contains(*layer));
+        let counted = counted.map(|layer| (layer.channels()[0].to_owned(), self.counted(layer)));
         Picture {
             width: settings.sampler.width,
             height: settings.sampler.height,
             rgb: self.rgb.clone(),
-            planes: planes.into_iter().map(|(name, plane)| (name.to_owned(), plane)).collect(),
+            planes: self.layers.clone().into_iter().chain(counted).collect(),
             attributes: self.outcome().chain(attributes(scene, settings)).collect(),
+        }
+    }
+
+    /// The plane of a layer that every frame has.
+    fn counted(&self, layer: Layer) -> Vec<f32> {
+        match layer {
+            Layer::Count => self.count.iter().map(|n| *n as f32).collect(),
+            Layer::Kernel => self.alpha.clone(),
+            _ => self.variance.clone(),
         }
     }
 }
@@ -136,8 +151,8 @@ fn plain(value: Value) -> String {
 /// `progress` is called from any of them with the number of samples just drawn.
 ///
 /// # Errors
-/// [`Error::Setting`] if the core refuses the scene, the camera or a setting, [`Error::Work`] if threads or
-/// memory are lacking.
+/// [`Error::Setting`] if the core refuses the scene, the camera or a setting or the estimator does not serve a layer,
+/// [`Error::Work`] if threads or memory are lacking.
 pub fn render(
     scene: &LoadedScene,
     settings: &Settings,
@@ -190,6 +205,7 @@ pub fn render_while(
     go_on: &mut dyn FnMut(&Sampler<'_>) -> Result<bool, Error>,
 ) -> Result<Frame, Error> {
     let start = Instant::now();
+    layers::check(settings)?;
     let pool = start_threads(threads)?;
     let view = Scene::new(scene.data()).map_err(Error::setting)?;
     let photons = shoot(view, settings, pool.as_ref())?;
@@ -217,10 +233,13 @@ pub fn render_while(
     }
     learner.end(&sampler)?;
     let mut frame = read_out(&sampler)?;
-    let sight = Sight { scene: view, camera: crew.camera(), max_depth: settings.max_depth };
+    let sight =
+        Sight { scene: view, camera: crew.camera(), max_depth: settings.max_depth, size: (width, height) };
+    let seen = see(sight, settings, crew.pool())?;
+    frame.layers = layers::planes(&sampler, &seen, settings.layers)?;
     match settings.sampler.estimator {
-        Estimator::Guided => guide::resolve(&sampler, sight, crew.pool(), &mut frame.rgb)?,
-        estimator => resolve(&sampler, estimator, &mut frame.rgb)?,
+        Estimator::Guided => guide::resolve(&sampler, &seen.features, crew.pool(), &mut frame.rgb)?,
+        estimator => layers::resolve(&sampler, estimator, &mut frame.rgb)?,
     }
     (frame.tally, frame.lane_occupancy) = (tally, crew.lane_occupancy());
     frame.photons = photons.as_ref().map(Photons::shot);
@@ -236,6 +255,15 @@ fn shoot(scene: Scene<'_>, settings: &Settings, pool: Option<&ThreadPool>) -> Re
     Photons::shoot(scene, &order, pool).map(Some)
 }
 
+/// What the scene shows without light, as far as filter and layers need it.
+fn see(sight: Sight<'_>, settings: &Settings, pool: Option<&ThreadPool>) -> Result<Seen, Error> {
+    let guided = settings.sampler.estimator == Estimator::Guided;
+    match guided || layers::need_features(settings.layers) {
+        true => sight.look(layers::need_coverage(settings.layers), pool),
+        false => Ok(Seen::default()),
+    }
+}
+
 /// Fetches what the film knows of the pixels; the picture is black.
 fn read_out(sampler: &Sampler<'_>) -> Result<Frame, Error> {
     let pixels = sampler.settings().width as usize * sampler.settings().height as usize;
@@ -244,6 +272,7 @@ fn read_out(sampler: &Sampler<'_>) -> Result<Frame, Error> {
         variance: zeros(pixels)?,
         count: zeros(pixels)?,
         alpha: zeros(pixels)?,
+        layers: BTreeMap::new(),
         tally: Tally::default(),
         photons: None,
         lane_occupancy: 0.0,
@@ -255,10 +284,4 @@ fn read_out(sampler: &Sampler<'_>) -> Result<Frame, Error> {
     sampler.count(&mut frame.count).map_err(Error::setting)?;
     sampler.alpha(&mut frame.alpha).map_err(Error::setting)?;
     Ok(frame)
-}
-
-/// Writes the picture by an estimator that needs the film alone.
-fn resolve(sampler: &Sampler<'_>, estimator: Estimator, rgb: &mut [[f32; 3]]) -> Result<(), Error> {
-    let mut scratch = zeros(Sampler::resolve_scratch(sampler.settings().width, sampler.settings().height))?;
-    sampler.resolve(estimator, &mut scratch, rgb.as_flattened_mut()).map_err(Error::setting)
 }

@@ -10,6 +10,7 @@ use pmcip_core::tracer::scene::Scene;
 use pmcip_core::tracer::shade::direct::{DirectLighting, Samples};
 use pmcip_core::tracer::shade::gather::{Gather, Maps};
 use pmcip_core::tracer::shade::path::{Packet, PathTracer, Traffic};
+use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::sync::Mutex;
 
@@ -21,6 +22,14 @@ pub(super) fn start_threads(threads: Option<usize>) -> Result<Option<ThreadPool>
     let build = || ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build();
     let pool = (threads != Some(1)).then(build).transpose();
     pool.map_err(|error| Error::Work(format!("cannot start threads: {error}")))
+}
+
+/// Works on all parts, on all threads of `pool`, on the caller's if there is none.
+pub(super) fn each<T: Send>(pool: Option<&ThreadPool>, parts: Vec<T>, work: impl Fn(T) + Send + Sync) {
+    match pool {
+        Some(pool) => pool.install(|| parts.into_par_iter().for_each(work)),
+        None => parts.into_iter().for_each(work),
+    }
 }
 
 /// Threads, each with what it needs to trace paths.

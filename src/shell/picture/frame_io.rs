@@ -34,6 +34,13 @@ pub struct Picture {
     pub attributes: BTreeMap<String, String>,
 }
 
+impl Picture {
+    /// Pixels with a colour that is infinite or not a number.
+    pub fn broken_pixels(&self) -> usize {
+        self.rgb.iter().filter(|rgb| rgb.iter().any(|v| !v.is_finite())).count()
+    }
+}
+
 /// Writes an EXR file.
 ///
 /// # Errors

@@ -132,7 +132,7 @@ fn check(image: &Picture, reference: &Picture) -> Result<(), Error> {
         return Err(Error::Sizes { image: a, reference: b });
     }
     for (which, picture) in [("image", image), ("reference", reference)] {
-        let count = picture.rgb.iter().filter(|rgb| rgb.iter().any(|v| !v.is_finite())).count();
+        let count = picture.broken_pixels();
         if count > 0 {
             return Err(Error::NotFinite { which, count });
         }

@@ -1,7 +1,7 @@
 //! A scene that changes from frame to frame.
 
 use super::error::Error;
-use super::model::{Frames, LoadedScene};
+use super::model::{Frames, LoadedScene, Pose};
 use super::object::Object;
 use super::place::Placement;
 use super::pose;
@@ -102,6 +102,21 @@ impl Animation {
         }
         self.frame = frame;
         Ok(change)
+    }
+
+    /// Where everything stood in the frame before; none before the first frame.
+    ///
+    /// # Errors
+    /// As [`seek`](Self::seek).
+    pub fn before(&self) -> Result<Option<Pose>, Error> {
+        if self.frame <= self.script.first_frame() {
+            return Ok(None);
+        }
+        let frame = self.frame - 1;
+        let camera = self.script.camera.as_ref().map(|camera| camera.at(frame)).transpose();
+        let view = camera.map_err(|m| self.blame(frame, m))?.unwrap_or(self.scene.view);
+        let placements = self.script.placements(frame).map_err(|m| self.blame(frame, m))?;
+        Ok(Some(Pose { view, placements }))
     }
 
     fn blame(&self, frame: u32, message: &str) -> Error {

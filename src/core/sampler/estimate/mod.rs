@@ -25,7 +25,7 @@
 
 mod picture;
 mod smooth;
-pub(crate) use picture::{Energy, balanced, lent, plain, scratch_len};
+pub(crate) use picture::{Energy, balanced, lent, plain, restored, scratch_len};
 pub use smooth::{Lanes, MAX_RADIUS};
 
 /// Which estimator makes the picture.

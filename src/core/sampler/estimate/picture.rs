@@ -71,9 +71,19 @@ impl Energy {
     }
 }
 
-/// Where the guide of a row of a cell is read.
-pub(crate) trait Guide: Fn(&Cell, usize) -> [f32x8; 3] {}
-impl<G: Fn(&Cell, usize) -> [f32x8; 3]> Guide for G {}
+/// Where a row of a cell is read.
+pub(crate) trait Row: Fn(&Cell, usize) -> [f32x8; 3] {}
+impl<R: Fn(&Cell, usize) -> [f32x8; 3]> Row for R {}
+
+/// What a picture is put together of.
+struct Parts<F, D, Q> {
+    /// What it shall look like.
+    guide: F,
+    /// Whose energy it shall have.
+    whole: D,
+    /// The mean of all samples.
+    mean: Q,
+}
 
 /// Writes the balanced estimator, row by row; `scratch` is [`scratch_len`] long.
 pub(crate) fn balanced(
@@ -84,7 +94,8 @@ pub(crate) fn balanced(
     out: &mut [[f32; 3]],
 ) {
     let mean = |cell: &Cell, dy: usize| planes.mean8(cell.row(dy));
-    guided(layout, planes, &mean, Energy::Fair(radius), scratch, out);
+    let whole = |cell: &Cell, dy: usize| planes.fair8(cell.row(dy));
+    guided(layout, &Parts { guide: mean, whole, mean }, radii(radius), scratch, out);
 }
 
 /// Writes `picture` (rows from the top), given `energy`; where it is not finite or beyond
@@ -97,22 +108,46 @@ pub(crate) fn lent(
     scratch: &mut [Lanes],
     out: &mut [[f32; 3]],
 ) {
-    let guide = |cell: &Cell, dy: usize| {
-        let lent = read_rgb8(&picture[cell.raster(dy, layout.width() as usize)]);
-        let usable = lent.map(|v| v.abs().simd_le(f32x8::splat(MAX_RADIANCE)));
-        let usable = usable[0] & usable[1] & usable[2];
-        let mean = planes.mean8(cell.row(dy));
-        [0, 1, 2].map(|c| usable.select(lent[c], mean[c]))
-    };
-    guided(layout, planes, &guide, energy, scratch, out);
+    let mean = |cell: &Cell, dy: usize| planes.mean8(cell.row(dy));
+    let whole = |cell: &Cell, dy: usize| energy.of(planes, cell.row(dy));
+    let lent = rows(layout, picture);
+    let guide = |cell: &Cell, dy: usize| usable(lent(cell, dy), mean(cell, dy));
+    guided(layout, &Parts { guide, whole, mean }, energy.radii(), scratch, out);
 }
 
-/// Writes `guide`, given `energy`.
+/// The same of pictures alone, all with rows from the top: `picture` with the energy of `fair` over neighbourhoods of
+/// `radius`, where `mean` is that of all samples.
+pub(crate) fn restored(
+    layout: &Layout,
+    [picture, fair, mean]: [&[[f32; 3]]; 3],
+    radius: u32,
+    scratch: &mut [Lanes],
+    out: &mut [[f32; 3]],
+) {
+    let (lent, whole, mean) = (rows(layout, picture), rows(layout, fair), rows(layout, mean));
+    let guide = |cell: &Cell, dy: usize| usable(lent(cell, dy), mean(cell, dy));
+    guided(layout, &Parts { guide, whole, mean: &mean }, radii(radius), scratch, out);
+}
+
+/// Rows of a picture that is stored row by row.
+fn rows(layout: &Layout, picture: &[[f32; 3]]) -> impl Row {
+    let width = layout.width() as usize;
+    move |cell: &Cell, dy: usize| read_rgb8(&picture[cell.raster(dy, width)])
+}
+
+/// Colours of `lent`, those of `mean` where they are not finite or beyond [`MAX_RADIANCE`].
+#[inline(always)]
+fn usable(lent: [f32x8; 3], mean: [f32x8; 3]) -> [f32x8; 3] {
+    let usable = lent.map(|v| v.abs().simd_le(f32x8::splat(MAX_RADIANCE)));
+    let usable = usable[0] & usable[1] & usable[2];
+    [0, 1, 2].map(|c| usable.select(lent[c], mean[c]))
+}
+
+/// Writes the guide, given the energy of the whole over neighbourhoods of these `radii`, in cells.
 fn guided(
     layout: &Layout,
-    planes: &Planes<'_>,
-    guide: &impl Guide,
-    energy: Energy,
+    parts: &Parts<impl Row, impl Row, impl Row>,
+    radii: [u32; 3],
     scratch: &mut [Lanes],
     out: &mut [[f32; 3]],
 ) {
@@ -120,15 +155,14 @@ fn guided(
     let cells = size.0 * size.1;
     let (grids, lines) = scratch.split_at_mut((4 * cells).div_ceil(LANES));
     let (taken, excess) = grids.as_flattened_mut()[..4 * cells].split_at_mut(cells);
-    let radii = energy.radii();
-    gather(layout, planes, guide, energy, taken, excess.as_chunks_mut().0);
+    gather(layout, parts, taken, excess.as_chunks_mut().0);
     smooth::<1>(taken, size, radii, lines);
     for (excess, taken) in excess.as_chunks_mut::<3>().0.iter_mut().zip(taken) {
         // Where nobody takes anything, no sample was ever bright: there is nothing to spread.
         *excess = excess.map(|excess| excess / taken.max(1e-12));
     }
     smooth::<3>(excess, size, radii, lines);
-    spread(layout, planes, guide, excess.as_chunks().0, out);
+    spread(layout, parts, excess.as_chunks().0, out);
 }
 
 /// Radii of three boxes over cells that, with what cells and interpolation blur by themselves, have a variance of
@@ -155,9 +189,7 @@ fn takes(guide: [f32x8; 3], mean: [f32x8; 3]) -> f32x8 {
 /// Sums the excess over each cell, and what its pixels take over all pixels that interpolate between it and others.
 fn gather(
     layout: &Layout,
-    planes: &Planes<'_>,
-    guide: &impl Guide,
-    energy: Energy,
+    parts: &Parts<impl Row, impl Row, impl Row>,
     taken: &mut [f32],
     excess: &mut [[f32; 3]],
 ) {
@@ -167,8 +199,8 @@ fn gather(
         let mut lost = [f32x8::ZERO; 3];
         let mut takers = [f32x8::ZERO; 3];
         for dy in 0..cell.height {
-            let (guide, whole) = (guide(&cell, dy), energy.of(planes, cell.row(dy)));
-            let here = takes(guide, planes.mean8(cell.row(dy)));
+            let (guide, whole) = ((parts.guide)(&cell, dy), (parts.whole)(&cell, dy));
+            let here = takes(guide, (parts.mean)(&cell, dy));
             for (sum, near) in takers.iter_mut().zip(NEAR) {
                 *sum += here * f32x8::splat(near[dy]);
             }
@@ -186,8 +218,7 @@ fn gather(
 /// Writes the guide plus what the pixel takes of `excess`, interpolated between cells.
 fn spread(
     layout: &Layout,
-    planes: &Planes<'_>,
-    guide: &impl Guide,
+    parts: &Parts<impl Row, impl Row, impl Row>,
     excess: &[[f32; 3]],
     out: &mut [[f32; 3]],
 ) {
@@ -196,7 +227,7 @@ fn spread(
         let x = around(cell.x, columns);
         let rows = around(cell.y, rows).map(|y| across(x.map(|x| excess[y * columns + x])));
         for dy in 0..cell.height {
-            let (guide, mean) = (guide(&cell, dy), planes.mean8(cell.row(dy)));
+            let (guide, mean) = ((parts.guide)(&cell, dy), (parts.mean)(&cell, dy));
             let raster = cell.raster(dy, layout.width() as usize);
             write_row(guide, takes(guide, mean), &rows, dy, &mut out[raster]);
         }

@@ -1,14 +1,17 @@
 //! Pictures that guide the estimator: any picture, put on the energy of the fair samples.
 //!
-//! [`Sampler::resolve_guided`] takes a picture from anywhere; [`Filter`] makes one of the film itself.
+//! [`Sampler::resolve_guided`] takes a picture from anywhere; [`Filter`] makes one of the film itself. Where the film is
+//! gone, [`Pictures`] that were read from it do.
 
 mod average;
 mod feature;
 mod filter;
 mod noise;
+mod pictures;
 mod rows;
 pub use feature::Feature;
 pub use filter::{Band, Filter};
+pub use pictures::Pictures;
 
 use super::estimate::{self, Energy, Estimator, Lanes};
 use super::{Error, Sampler};

@@ -32,6 +32,8 @@ struct Seen {
     albedo: Vec3x8,
     normal: Vec3x8,
     depth: f32x8,
+    /// 1 where the ray itself has met anything.
+    covered: f32x8,
 }
 
 impl<'a> Features<'a> {
@@ -41,10 +43,14 @@ impl<'a> Features<'a> {
         Features { tracer: Tracer::new(scene), camera, max_depth }
     }
 
-    /// Writes the features of the leftmost pixels of row `y`, as many as there is room for.
-    pub fn row(&mut self, y: u32, out: &mut [Feature]) {
+    /// Writes the features of the leftmost pixels of row `y`, as many as there is room for, and for as many of them as there
+    /// is room for in `coverage` the part of the pixel where any surface is seen, 0 to 1 in eighths.
+    pub fn row(&mut self, y: u32, out: &mut [Feature], coverage: &mut [f32]) {
+        let mut coverage = coverage.iter_mut();
         for (x, out) in (0..).zip(out) {
-            *out = self.look(x, y).mean();
+            let seen = self.look(x, y);
+            *out = seen.mean();
+            coverage.next().into_iter().for_each(|coverage| *coverage = mean(seen.covered));
         }
     }
 
@@ -52,7 +58,7 @@ impl<'a> Features<'a> {
     fn look(&mut self, x: u32, y: u32) -> Seen {
         let mut paths = self.start(x, y);
         let (mut seen, mut alive) = (Seen::default(), f32x8::splat(f32::from_bits(u32::MAX)));
-        for _ in 0..self.max_depth {
+        for segment in 0..self.max_depth {
             let t_max = alive.select(f32x8::splat(f32::INFINITY), f32x8::splat(-1.0));
             let rays = Rays8 { origin: paths.origin, direction: paths.direction, t_max };
             let hits = self.tracer.closest(&rays);
@@ -61,6 +67,9 @@ impl<'a> Features<'a> {
             }
             let surface = SurfacePoints::at(self.tracer.scene(), &rays, &hits);
             seen.depth += surface.hit & hits.t;
+            if segment == 0 {
+                seen.covered = surface.hit & f32x8::ONE;
+            }
             seen.note(&paths, &surface);
             alive = surface.hit & !surface.scatters(Scattering::Rough);
             if !alive.any() {

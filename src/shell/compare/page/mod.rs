@@ -6,6 +6,7 @@ mod tables;
 
 use super::data::{Comparison, FrameRow, Row};
 use super::digits::significant;
+use super::other::Other;
 use super::pictures::Gallery;
 use super::plot::{self, Axis, Line, Point, Spacing};
 use super::reference::{Reference, Source};
@@ -65,6 +66,9 @@ fn facts(report: &Report) -> String {
     let own = methods(report).map(|rows| rows[0].method.as_str());
     let own = own.filter_map(|method| Some((method, list(report.methods.get(method)?.as_object()?))));
     facts.extend(own);
+    let other = |other: &Other| (other.name.clone(), escape(&other.file.display().to_string()));
+    let others: Vec<(String, String)> = report.others.iter().map(other).collect();
+    facts.extend(others.iter().map(|(name, file)| (name.as_str(), file.clone())));
     facts.extend(report.warnings.iter().map(|warning| ("Warning", escape(warning))));
     let items = facts.iter().map(|(name, value)| format!("<dt>{}</dt><dd>{value}</dd>\n", escape(name)));
     format!("<dl>\n{}</dl>\n", items.collect::<String>())
@@ -94,10 +98,10 @@ fn list(settings: &Map<String, Value>) -> String {
 
 /// Every measure against time and against samples.
 fn plots(report: &Report) -> Result<String, Error> {
-    let counts = methods(report).take(1).flatten().map(|row| f64::from(row.spp)).collect();
+    let counts = methods(report).take(1).flatten().filter_map(|row| row.spp.map(f64::from)).collect();
     let seconds = Axis { title: "seconds", scale: Spacing::Logarithmic(None) };
     let samples = Axis { title: "samples per pixel", scale: Spacing::Logarithmic(Some(counts)) };
-    let x: [fn(&Row) -> f64; 2] = [|row| row.seconds, |row| f64::from(row.spp)];
+    let x: [fn(&Row) -> f64; 2] = [|row| row.seconds, |row| row.spp.map_or(f64::NAN, f64::from)];
     let mut drawings = String::new();
     for (axis, x) in [seconds, samples].iter().zip(x) {
         for &(title, _, of) in measures(report) {

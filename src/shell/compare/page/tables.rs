@@ -1,7 +1,7 @@
 //! The numbers of a comparison as tables of a page.
 
 use super::super::data::Row;
-use super::super::digits::{number, significant};
+use super::super::digits::{count, fixed, number, significant};
 use super::super::ratio::Ratio;
 use super::super::report::Report;
 use super::methods::{Measure, measures as columns, methods, named};
@@ -44,12 +44,12 @@ pub fn ratios(report: &Report) -> String {
 
 fn ratio_line(report: &Report, same: &Ratio, time: &Ratio) -> String {
     let method = methods(report).position(|rows| rows[0].method == same.method).unwrap_or(0);
-    let first = report.rows.first().is_some_and(|row| row.spp == same.spp);
+    let first = same.spp.is_none() || report.rows.first().is_some_and(|row| row.spp == same.spp);
     format!(
         "<tr{}><td class='name'>{}</td><td>{}</td>{}{}<td class='left'>{}</td></tr>\n",
         if first { " class='first'" } else { "" },
         named(method, &same.method),
-        same.spp,
+        count(same.spp),
         ratio_cells(report, same),
         ratio_cells(report, time),
         number(same.p_eff_gain),
@@ -90,13 +90,13 @@ fn measure_line(method: usize, row: &Row, first: bool) -> String {
     let numbers = [m.err, row.p_eff, m.err_lowpass, m.mse, m.rel_mse, m.rel_mse_trimmed].map(small).concat();
     format!(
         "<tr{}><td class='name'>{}</td><td>{}</td><td>{}</td><td>{:.3}</td>{numbers}\
-         <td>{:+.3} % <small>± {:.3}</small></td>{flicker}</tr>\n",
+         <td>{:+.3} % <small>± {}</small></td>{flicker}</tr>\n",
         if first { " class='first'" } else { "" },
         named(method, &row.method),
-        row.spp,
-        row.iterations,
+        count(row.spp),
+        count(row.iterations),
         row.seconds,
         100.0 * row.energy_bias,
-        100.0 * row.energy_bias_ci95,
+        fixed(100.0 * row.energy_bias_ci95, 3),
     )
 }

@@ -1,6 +1,7 @@
 //! All settings of a frame.
 
 use super::choices::{Integrator, Method, Startup};
+use super::layers::Layers;
 use crate::frame::schedule::{Growth, LEAST_SPP, PILOT_SPP, Target};
 use crate::scene::{LoadedScene, View};
 use pmcip_core::sampler::estimate::Estimator;
@@ -42,6 +43,8 @@ pub struct Settings {
     pub startup: Startup,
     /// When to end before all samples are spent.
     pub target: Option<Target>,
+    /// What the frame's file has beside the picture.
+    pub layers: Layers,
 }
 
 impl Settings {
@@ -59,6 +62,7 @@ impl Settings {
             view: scene.view,
             startup: Startup::Uniform,
             target: None,
+            layers: Layers::default(),
         }
     }
 
@@ -146,6 +150,7 @@ mod tests {
             view,
             startup: Startup::Uniform,
             target: None,
+            layers: Layers::default(),
         }
     }
 

@@ -5,6 +5,7 @@
 
 use super::all::Settings;
 use super::choices::Integrator;
+use super::layers::{Layer, Layers};
 use crate::frame::schedule::Target;
 use crate::scene::View;
 use pmcip_core::sampler;
@@ -14,8 +15,18 @@ use std::fmt;
 impl Settings {
     /// Every setting by name, for reports and for the EXR file.
     pub fn list(&self) -> Map<String, Value> {
-        let Settings { spp, iterations, method, sampler: _, integrator, max_depth, view, startup, target } =
-            *self;
+        let Settings {
+            spp,
+            iterations,
+            method,
+            sampler: _,
+            integrator,
+            max_depth,
+            view,
+            startup,
+            target,
+            layers,
+        } = *self;
         let View { from, at, up, fov } = view;
         let list = json!({
             "spp": spp,
@@ -32,6 +43,9 @@ impl Settings {
         let mut list = object(list);
         list.extend(of_sampler(&self.film()));
         list.extend(of_integrator(integrator));
+        if layers != Layers::default() {
+            list.insert("layers".into(), layers.iter().map(Layer::name).collect());
+        }
         if let Some(Target { err, expected_spp }) = target {
             // Iterations then grow with what has been spent.
             list.remove("iterations");
@@ -129,6 +143,7 @@ mod tests {
             view: View { from: [0.0; 3], at: [0.0, 0.0, -1.0], up: [0.0, 1.0, 0.0], fov: 40.0 },
             startup: Startup::Uniform,
             target: None,
+            layers: Layers::default(),
         }
     }
 
@@ -144,7 +159,7 @@ mod tests {
 
     #[test]
     fn every_setting_shows_in_the_list() {
-        let changes: [fn(&mut Settings); 30] = [
+        let changes: [fn(&mut Settings); 32] = [
             |s| s.spp = 17,
             |s| s.iterations = 9,
             |s| s.method = Method::Paper,
@@ -175,6 +190,8 @@ mod tests {
             |s| s.view.up[2] = 1.0,
             |s| s.view.fov = 41.0,
             |s| s.startup = Startup::Motion,
+            |s| s.layers = [Layer::Depth].into_iter().collect(),
+            |s| s.layers = [].into_iter().collect(),
         ];
         let targets = [(0.5, None), (0.5, Some(1)), (0.5, Some(2)), (0.25, Some(1))];
         let targets = targets.map(|(err, expected_spp)| Some(Target { err, expected_spp }));

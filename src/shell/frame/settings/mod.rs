@@ -16,6 +16,7 @@
 
 mod all;
 mod choices;
+mod layers;
 mod list;
 
 pub use all::{
@@ -23,4 +24,5 @@ pub use all::{
     MAX_PHOTONS, Settings,
 };
 pub use choices::{Estimate, Integrator, Method, Startup};
+pub use layers::{Layer, Layers};
 pub use list::word;
