@@ -91,6 +91,9 @@ pub struct Render {
     /// What a frame starts from that follows another one
     #[arg(long, value_enum, value_name = "START", default_value = "motion", requires = "frames")]
     pub startup: Startup,
+    /// Blend filtered frames with those before them (with --estimator guided): less flicker
+    #[arg(long, requires = "frames")]
+    pub history: bool,
     /// Overwrite frames that were made with other settings
     #[arg(long, requires = "frames")]
     pub overwrite: bool,

@@ -8,6 +8,7 @@ use pmcip::frame::schedule::Target;
 use pmcip::frame::settings::Settings;
 use pmcip::picture::{frame_io, output};
 use pmcip::scene::LoadedScene;
+use pmcip_core::sampler::estimate::Estimator;
 use std::path::PathBuf;
 
 pub fn render_frame(arguments: &Render) -> Result<(), Failure> {
@@ -39,6 +40,10 @@ pub fn render_settings(scene: &LoadedScene, arguments: &Render) -> Result<Settin
     settings.set_estimator(arguments.estimator.map_or(settings.sampler.estimator, Into::into));
     let follows = arguments.frames.is_some();
     settings.layers = layers::chosen(&arguments.layers, settings.sampler.estimator, follows).map_err(bad)?;
+    if arguments.history && settings.sampler.estimator != Estimator::Guided {
+        return Err(bad("--history needs --estimator guided: it blends filtered frames"));
+    }
+    settings.history = arguments.history;
     settings.target = arguments.target_err.map(|err| Target { err, expected_spp: None });
     Ok(settings)
 }

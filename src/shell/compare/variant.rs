@@ -22,12 +22,13 @@ pub struct Variant {
     gamma: Option<f32>,
     estimate: Option<Estimate>,
     startup: Option<Startup>,
+    history: bool,
 }
 
 impl From<Method> for Variant {
     /// The method with its defaults.
     fn from(method: Method) -> Variant {
-        Variant { method, gamma: None, estimate: None, startup: None }
+        Variant { method, gamma: None, estimate: None, startup: None, history: false }
     }
 }
 
@@ -40,6 +41,7 @@ impl Variant {
         settings.integrator = base.integrator;
         settings.sampler.seed = base.sampler.seed;
         settings.startup = self.startup.unwrap_or(base.startup);
+        settings.history = self.history;
         settings.sampler.gamma = self.gamma.unwrap_or(settings.sampler.gamma);
         if let Some(estimate) = self.estimate {
             settings.set_estimator(estimate.into());
@@ -62,8 +64,17 @@ impl Variant {
             let startup = startup.map_err(|_| format!("startup is one of {}", names::<Startup>()))?;
             return set(&mut self.startup, startup, "startup");
         }
+        if option == "history" {
+            return match std::mem::replace(&mut self.history, true) {
+                false => Ok(()),
+                true => Err("history twice".into()),
+            };
+        }
         let estimate = Estimate::from_str(option, false).map_err(|_| {
-            format!("'{option}' is no option: expected gamma=G, startup=S or one of {}", names::<Estimate>())
+            format!(
+                "'{option}' is no option: expected gamma=G, startup=S, history or one of {}",
+                names::<Estimate>()
+            )
         })?;
         set(&mut self.estimate, estimate, "estimator")
     }
@@ -90,6 +101,9 @@ impl FromStr for Variant {
         })?;
         let mut variant = Variant::from(method);
         options.into_iter().flat_map(|options| options.split('+')).try_for_each(|o| variant.change(o))?;
+        if variant.history && variant.estimate != Some(Estimate::Guided) {
+            return Err("history needs the estimator guided".into());
+        }
         Ok(variant)
     }
 }
@@ -107,7 +121,8 @@ impl Display for Variant {
         let estimate = estimate.map(|value| value.get_name().to_owned());
         let startup = self.startup.and_then(|startup| startup.to_possible_value());
         let startup = startup.map(|value| format!("startup={}", value.get_name()));
-        let options: Vec<String> = gamma.into_iter().chain(estimate).chain(startup).collect();
+        let history = self.history.then(|| "history".to_owned());
+        let options: Vec<String> = gamma.into_iter().chain(estimate).chain(startup).chain(history).collect();
         let colon = if options.is_empty() { "" } else { ":" };
         write!(f, "{}{colon}{}", self.method, options.join("+"))
     }
@@ -128,6 +143,7 @@ mod tests {
             "pmc:gamma=1+difference",
             "pmc:guided",
             "pmc:startup=motion",
+            "pmc:guided+history",
         ] {
             assert_eq!(name.parse::<Variant>().unwrap().to_string(), name);
         }
@@ -146,6 +162,8 @@ mod tests {
             ("pmc:gamma=1+gamma=2", "more than one gamma"),
             ("pmc:pooled+balanced", "more than one estimator"),
             ("uniform:gamma=1", "no gamma"),
+            ("pmc:history", "needs the estimator guided"),
+            ("pmc:guided+history+history", "twice"),
         ] {
             let said = name.parse::<Variant>().unwrap_err();
             assert!(said.contains(words), "{name}: {said}");

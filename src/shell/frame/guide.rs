@@ -1,6 +1,6 @@
 //! A frame's guided picture: the film filtered by what the scene shows, and given its energy back.
 //!
-//! Memory while it is made, besides the features: 100 bytes a pixel and a margin for the filter, 12 for the guide.
+//! Memory while it is made, besides the features: 100 bytes a pixel and a margin for the filter, 16 for the guide.
 
 use super::memory::zeros;
 use super::threads::each;
@@ -9,38 +9,55 @@ use pmcip_core::sampler::Sampler;
 use pmcip_core::sampler::guide::{Band, Feature, Filter};
 use rayon::ThreadPool;
 
-/// Writes the guided picture of a film that is at rest, on all threads of `pool`, on the caller's if there is none.
+/// A frame's filtered film, rows from the top.
+#[derive(Debug)]
+pub struct Filtered<'a> {
+    /// Columns and rows.
+    pub size: (u32, u32),
+    /// Radiance.
+    pub rgb: Vec<[f32; 3]>,
+    /// [`Filter::variance`].
+    pub variance: Vec<f32>,
+    /// What the pixels show.
+    pub features: &'a [Feature],
+}
+
+/// Writes the guided picture of a film that is at rest, on all threads of `pool`, on the caller's if there is none. `change`
+/// may change what was filtered: energy is given back afterwards.
 ///
 /// # Errors
 /// [`Error::Setting`] if the film has not accumulated for it or has not one feature a pixel, [`Error::Work`] if memory
-/// is lacking.
+/// is lacking, and what `change` returns.
 pub fn resolve(
     film: &Sampler<'_>,
     features: &[Feature],
     pool: Option<&ThreadPool>,
+    change: &mut dyn FnMut(&mut Filtered<'_>) -> Result<(), Error>,
     rgb: &mut [[f32; 3]],
 ) -> Result<(), Error> {
-    let mut guide = filtered(film, features, pool)?;
-    let (width, height) = (film.settings().width, film.settings().height);
-    let mut scratch = zeros(Sampler::resolve_scratch(width, height))?;
-    film.level(&guide, &mut scratch, rgb).map_err(Error::setting)?;
-    guide.copy_from_slice(rgb);
-    film.resolve_guided(&guide, &mut scratch, rgb).map_err(Error::setting)
+    let mut filtered = filtered(film, features, pool)?;
+    let mut scratch = zeros(Sampler::resolve_scratch(filtered.size.0, filtered.size.1))?;
+    film.level(&filtered.rgb, &mut scratch, rgb).map_err(Error::setting)?;
+    filtered.rgb.copy_from_slice(rgb);
+    change(&mut filtered)?;
+    film.resolve_guided(&filtered.rgb, &mut scratch, rgb).map_err(Error::setting)
 }
 
 /// The film, filtered.
-fn filtered(
+fn filtered<'a>(
     film: &Sampler<'_>,
-    features: &[Feature],
+    features: &'a [Feature],
     pool: Option<&ThreadPool>,
-) -> Result<Vec<[f32; 3]>, Error> {
-    let mut scratch = zeros(Filter::required(film.settings().width, film.settings().height))?;
+) -> Result<Filtered<'a>, Error> {
+    let size = (film.settings().width, film.settings().height);
+    let mut scratch = zeros(Filter::required(size.0, size.1))?;
     let mut filter = Filter::new(film, features, &mut scratch).map_err(Error::setting)?;
     for _ in 0..Filter::PASSES {
         each(pool, filter.bands().collect(), |mut band: Band<'_>| band.filter());
         filter.next();
     }
-    let mut guide = zeros(features.len())?;
-    filter.write(&mut guide).map_err(Error::setting)?;
-    Ok(guide)
+    let (mut rgb, mut variance) = (zeros(features.len())?, zeros(features.len())?);
+    filter.write(&mut rgb).map_err(Error::setting)?;
+    filter.variance(&mut variance).map_err(Error::setting)?;
+    Ok(Filtered { size, rgb, variance, features })
 }

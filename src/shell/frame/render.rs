@@ -6,6 +6,7 @@
 //! scratch area for each thread.
 
 use super::features::{Seen, Sight};
+use super::guide::Filtered;
 use super::memory::zeros;
 use super::photons::{Order, Photons, Shot};
 use super::schedule::LEAST_SPP;
@@ -50,6 +51,14 @@ pub trait Learner {
     /// # Errors
     /// [`Error::Work`] if memory is lacking or the film has another size.
     fn see(&mut self, _film: &Sampler<'_>, _settings: &Settings) -> Result<(), Error> {
+        Ok(())
+    }
+
+    /// Changes the filtered picture of the frame begun by what earlier ones have shown, after [`end`](Self::end).
+    ///
+    /// # Errors
+    /// [`Error::Work`] if memory is lacking.
+    fn blend(&mut self, _filtered: &mut Filtered<'_>) -> Result<(), Error> {
         Ok(())
     }
 
@@ -238,7 +247,10 @@ pub fn render_while(
     let seen = see(sight, settings, crew.pool())?;
     frame.layers = layers::planes(&sampler, &seen, settings.layers)?;
     match settings.sampler.estimator {
-        Estimator::Guided => guide::resolve(&sampler, &seen.features, crew.pool(), &mut frame.rgb)?,
+        Estimator::Guided => {
+            let mut blend = |filtered: &mut Filtered<'_>| learner.blend(filtered);
+            guide::resolve(&sampler, &seen.features, crew.pool(), &mut blend, &mut frame.rgb)?;
+        }
         estimator => layers::resolve(&sampler, estimator, &mut frame.rgb)?,
     }
     (frame.tally, frame.lane_occupancy) = (tally, crew.lane_occupancy());

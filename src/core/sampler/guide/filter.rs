@@ -148,6 +148,23 @@ impl<'a> Filter<'a> {
         Ok(())
     }
 
+    /// Writes the variance of the luminance of what was filtered, radiance over albedo, as if weights did not depend on the
+    /// noise that they average: rows from the top.
+    ///
+    /// # Errors
+    /// If `out` has not one entry a pixel.
+    pub fn variance(&self, out: &mut [f32]) -> Result<(), Error> {
+        if out.len() != self.grid.width * self.grid.height {
+            return Err(Error::Output);
+        }
+        let averages = Rows { data: self.averages[PASSES - 1], planes: averages::PLANES, grid: self.grid };
+        for (y, out) in out.chunks_exact_mut(self.grid.width).enumerate() {
+            let row = &averages.row(averages::OWN_VARIANCE, y + MARGIN)[MARGIN..];
+            out.copy_from_slice(&row[..self.grid.width]);
+        }
+        Ok(())
+    }
+
     /// Fills the planes of what is known.
     fn take(&mut self, sampler: &Sampler<'_>, features: &[Feature]) {
         let (grid, planes) = (self.grid, &sampler.planes);

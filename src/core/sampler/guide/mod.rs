@@ -6,6 +6,7 @@
 mod average;
 mod feature;
 mod filter;
+pub mod history;
 mod noise;
 mod pictures;
 mod rows;

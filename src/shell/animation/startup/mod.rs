@@ -13,8 +13,10 @@
 //!
 //! Memory: about 150 bytes a pixel.
 
+use crate::animation::history::History;
 use crate::animation::motion::{Motion, Sight};
 use crate::error::Error;
+use crate::frame::guide::Filtered;
 use crate::frame::memory::zeros;
 use crate::frame::render::Learner;
 use crate::frame::settings::{Method, Settings, Startup};
@@ -35,6 +37,9 @@ pub const MIN_KNOWN: f32 = 0.5;
 pub struct Predictor {
     last: Option<Last>,
     next: Option<Next>,
+    /// Where what each pixel shows was a frame ago, if that is known.
+    positions: Vec<[f32; 2]>,
+    history: History,
     seconds: f64,
 }
 
@@ -126,7 +131,10 @@ impl Learner for Predictor {
         let start = Instant::now();
         self.next = None;
         self.seconds = 0.0;
-        if settings.startup == Startup::Uniform || settings.method == Method::Uniform {
+        let kernel = settings.startup != Startup::Uniform && settings.method != Method::Uniform;
+        self.positions.clear();
+        self.history.begin(settings);
+        if !kernel && !settings.history {
             self.last = None;
             return Ok(());
         }
@@ -141,10 +149,11 @@ impl Learner for Predictor {
             let tame = settings.method == Method::Paper || last.outlook.miss < MAX_MISS;
             next.trusted = match (&next.view, &last.view) {
                 (View::Motion { motion, .. }, View::Motion { motion: before, .. }) => {
-                    next.prediction = last.carried(&positions(motion, before), settings.method)?;
-                    tame && next.prediction.known() >= MIN_KNOWN
+                    self.positions = positions(motion, before);
+                    next.prediction = last.carried(&self.positions, settings.method)?;
+                    kernel && tame && next.prediction.known() >= MIN_KNOWN
                 }
-                _ => tame,
+                _ => kernel && tame,
             };
         }
         self.next = Some(next);
@@ -174,7 +183,15 @@ impl Learner for Predictor {
             let now = pictures::coded(film)?;
             let positions = pictures::positions(&now, &last.picture, &last.alpha, last.width, last.height)?;
             next.prediction = last.carried(&positions, settings.method)?;
+            self.positions = positions;
         }
+        self.seconds += start.elapsed().as_secs_f64();
+        Ok(())
+    }
+
+    fn blend(&mut self, filtered: &mut Filtered<'_>) -> Result<(), Error> {
+        let start = Instant::now();
+        self.history.blend(&self.positions, filtered)?;
         self.seconds += start.elapsed().as_secs_f64();
         Ok(())
     }
@@ -203,7 +220,7 @@ impl Last {
     /// Whether a frame can follow that has this size, so many objects and is predicted so.
     fn fits(&self, size: (usize, usize), objects: usize, startup: Startup) -> bool {
         let view = match &self.view {
-            View::Motion { pose, .. } => startup == Startup::Motion && pose.placements.len() == objects,
+            View::Motion { pose, .. } => startup != Startup::Homography && pose.placements.len() == objects,
             View::Pictures => startup == Startup::Homography,
         };
         view && size == (self.width, self.height)

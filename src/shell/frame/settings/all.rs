@@ -41,6 +41,8 @@ pub struct Settings {
     pub view: View,
     /// What a frame starts from that follows another one.
     pub startup: Startup,
+    /// Whether a filtered frame is blended with those before it.
+    pub history: bool,
     /// When to end before all samples are spent.
     pub target: Option<Target>,
     /// What the frame's file has beside the picture.
@@ -61,6 +63,7 @@ impl Settings {
             max_depth: scene.max_depth.unwrap_or(DEFAULT_DEPTH),
             view: scene.view,
             startup: Startup::Uniform,
+            history: false,
             target: None,
             layers: Layers::default(),
         }
@@ -149,6 +152,7 @@ mod tests {
             max_depth: 8,
             view,
             startup: Startup::Uniform,
+            history: false,
             target: None,
             layers: Layers::default(),
         }

@@ -24,6 +24,7 @@ impl Settings {
             max_depth,
             view,
             startup,
+            history,
             target,
             layers,
         } = *self;
@@ -43,6 +44,9 @@ impl Settings {
         let mut list = object(list);
         list.extend(of_sampler(&self.film()));
         list.extend(of_integrator(integrator));
+        if history {
+            list.insert("history".into(), history.into());
+        }
         if layers != Layers::default() {
             list.insert("layers".into(), layers.iter().map(Layer::name).collect());
         }
@@ -142,6 +146,7 @@ mod tests {
             max_depth: 8,
             view: View { from: [0.0; 3], at: [0.0, 0.0, -1.0], up: [0.0, 1.0, 0.0], fov: 40.0 },
             startup: Startup::Uniform,
+            history: false,
             target: None,
             layers: Layers::default(),
         }
@@ -159,7 +164,7 @@ mod tests {
 
     #[test]
     fn every_setting_shows_in_the_list() {
-        let changes: [fn(&mut Settings); 32] = [
+        let changes: [fn(&mut Settings); 33] = [
             |s| s.spp = 17,
             |s| s.iterations = 9,
             |s| s.method = Method::Paper,
@@ -190,6 +195,7 @@ mod tests {
             |s| s.view.up[2] = 1.0,
             |s| s.view.fov = 41.0,
             |s| s.startup = Startup::Motion,
+            |s| s.history = true,
             |s| s.layers = [Layer::Depth].into_iter().collect(),
             |s| s.layers = [].into_iter().collect(),
         ];
