@@ -97,6 +97,7 @@ fn a_report_has_its_files_and_its_numbers() {
     assert!((number("noise_energy_ci95") / number("noise_energy") - 2.3646).abs() < 1e-4);
     assert_eq!((&rows[0]["estimator"], &rows[4]["estimator"]), (&"pooled".into(), &"balanced".into()));
     assert!(report["oracle_ratio"].as_f64().unwrap() >= 1.0);
+    assert!(report["oracle_ratio_equal_rays"].as_f64().unwrap() >= 1.0);
     assert_eq!(report["settings"]["width"], 24);
     assert_eq!(report["methods"]["paper"]["gamma"], 1.0);
     assert!(!report["machine"]["cpu"].as_str().unwrap().is_empty());

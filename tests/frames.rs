@@ -214,3 +214,20 @@ fn a_frame_of_another_criterion_is_another_frame() {
     write_exr(&file, &picture).unwrap();
     failure(room.path(), options, 2, "is another frame: criterion was 'sample', now it is 'mean'");
 }
+
+#[test]
+fn history_blends_filtered_frames_and_says_so() {
+    let room = room();
+    let guided = "render walk.toml --frames 1..3 --estimator guided";
+    success(room.path(), &format!("{guided} -o alone.exr"));
+    success(room.path(), &format!("{guided} --history -o with.exr --threads 1"));
+    success(room.path(), &format!("{guided} --history -o again.exr --threads 3"));
+    let picture = |name: &str| read_exr(&room.path().join(name)).unwrap();
+    let (alone, with) = (picture("alone.0003.exr"), picture("with.0003.exr"));
+    assert!(picture("alone.0001.exr").rgb == picture("with.0001.exr").rgb, "the first has none before it");
+    assert!(alone.rgb != with.rgb && with.rgb == picture("again.0003.exr").rgb);
+    assert_eq!((alone.attributes.get("history"), with.attributes["history"].as_str()), (None, "true"));
+    failure(room.path(), "render walk.toml --frames 1..3 --history", 2, "--estimator guided");
+    failure(room.path(), "render walk.toml --estimator guided --history", 2, "--frames");
+    failure(room.path(), &format!("{guided} -o with.exr"), 2, "history was 'true'");
+}

@@ -2,7 +2,7 @@
 
 use pmcip::error::Error;
 use pmcip::picture::frame_io::Picture;
-use pmcip::picture::metrics::{luminance, measure, oracle_ratio};
+use pmcip::picture::metrics::{luminance, measure, oracle_ratio, oracle_ratio_at_cost};
 use pmcip_core::maths::tvi::tvi;
 use wide::f32x8;
 
@@ -113,6 +113,18 @@ fn the_oracle_gains_nothing_on_even_noise_and_much_on_concentrated_noise() {
     spot[7] = 5.0;
     close(oracle_ratio(&spot, &[1.0; 64], CD), 64.0);
     close(oracle_ratio(&[0.0; 64], &[1.0; 64], CD), 1.0);
+}
+
+/// Half of the pixels have all noise, and cost three times what the others do: an oracle that gives them all has
+/// (1 + 3)/3 of uniform sampling's samples there. Costs that are the same everywhere change nothing.
+#[test]
+fn an_oracle_at_equal_cost_pays_for_what_is_dear() {
+    let half = |a: f64, b: f64| -> Vec<f64> { (0..64).map(|i| if i % 2 == 0 { a } else { b }).collect() };
+    let cost: Vec<f32> = half(1.0, 3.0).iter().map(|v| *v as f32).collect();
+    close(oracle_ratio_at_cost(&half(0.0, 1.0), &[1.0; 64], &cost, CD), 4.0 / 3.0);
+    let noise = half(1.0, 3.0);
+    close(oracle_ratio_at_cost(&noise, &[1.0; 64], &[5.0; 64], CD), oracle_ratio(&noise, &[1.0; 64], CD));
+    close(oracle_ratio_at_cost(&[0.0; 64], &[1.0; 64], &cost, CD), 1.0);
 }
 
 #[test]

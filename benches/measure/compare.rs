@@ -40,6 +40,10 @@ pub fn run(arguments: &[String]) {
         );
     }
     if let Some(ratio) = report["oracle_ratio"].as_f64() {
-        println!("\nOracle ratio {ratio:.2}.");
+        let rays = report["oracle_ratio_equal_rays"].as_f64();
+        println!(
+            "\nOracle ratio {ratio:.2}{}.",
+            rays.map_or(String::new(), |r| format!(", at equal rays {r:.2}"))
+        );
     }
 }

@@ -2,13 +2,16 @@
 
 #![no_main]
 
+#[path = "../any.rs"]
+mod any;
+
+use any::Any;
 use arbitrary::Arbitrary;
 use libfuzzer_sys::fuzz_target;
-use pmcip_core::sampler::batch::{Batch8, Integrand, Rgb8};
+use pmcip_core::sampler::batch::{Batch8, Rgb8};
 use pmcip_core::sampler::estimate::Estimator;
 use pmcip_core::sampler::kernel::{Criterion, Kernel, Window};
 use pmcip_core::sampler::{Memory, Sampler, Sequence, Settings, Workspace};
-use wide::f32x8;
 
 #[derive(Arbitrary, Debug)]
 struct Input {
@@ -26,27 +29,6 @@ struct Input {
     estimator: u8,
     radius: u16,
     radiance: Vec<u32>,
-}
-
-/// Radiances in turn from a list of any bits.
-struct Any {
-    bits: Vec<u32>,
-    next: usize,
-}
-
-impl Any {
-    fn eight(&mut self) -> f32x8 {
-        f32x8::from(std::array::from_fn(|_| {
-            self.next += 1;
-            self.bits.get(self.next % self.bits.len().max(1)).map_or(1.0, |bits| f32::from_bits(*bits))
-        }))
-    }
-}
-
-impl Integrand for Any {
-    fn radiance(&mut self, _: &Batch8) -> Rgb8 {
-        Rgb8 { r: self.eight(), g: self.eight(), b: self.eight() }
-    }
 }
 
 fn settings(input: &Input) -> Settings {
@@ -76,7 +58,7 @@ fuzz_target!(|input: Input| {
     let pixels = settings.width as usize * settings.height as usize;
     let (mut batches, mut radiance) = ([Batch8::default(); 9], [Rgb8::default(); 9]);
     let mut work = Workspace::new(&mut batches, &mut radiance).expect("not empty");
-    let mut integrand = Any { bits: input.radiance.clone(), next: 0 };
+    let mut integrand = Any::new(&input.radiance);
     let mut total = 0;
     for spp in input.spp {
         let samples = u64::from(spp % 5) * pixels as u64 + 1;

@@ -82,6 +82,8 @@ pub struct Comparison {
     /// What an oracle would gain over uniform sampling in Err in the first frame, if the reference has a `variance`
     /// plane.
     pub oracle_ratio: Option<f64>,
+    /// The same at equal rays: of an oracle that knows what samples cost, too. None with photon maps.
+    pub oracle_ratio_equal_rays: Option<f64>,
     /// Threads that worked.
     pub threads: usize,
 }

@@ -58,8 +58,10 @@ pub struct Report<'a> {
     pub machine: Machine,
     /// What made this.
     pub versions: Versions,
-    /// What an oracle would gain over uniform sampling in Err.
+    /// What an oracle would gain over uniform sampling in Err at equal samples.
     pub oracle_ratio: Option<f64>,
+    /// The same at equal rays.
+    pub oracle_ratio_equal_rays: Option<f64>,
     /// One a method and sample count.
     pub rows: &'a [Row],
     /// Curves over frames: one a method, sample count and frame; empty for a still picture.
@@ -98,6 +100,7 @@ impl<'a> Report<'a> {
             machine: machine(comparison.threads),
             versions: Versions { pmcip: env!("CARGO_PKG_VERSION"), report: 1 },
             oracle_ratio: comparison.oracle_ratio,
+            oracle_ratio_equal_rays: comparison.oracle_ratio_equal_rays,
             rows: &comparison.rows,
             frames: &comparison.frames,
             others: &comparison.others,

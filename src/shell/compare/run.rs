@@ -9,6 +9,7 @@ use super::stats::{Measures, mean, median};
 use super::variant::Variant;
 use crate::animation::startup::Predictor;
 use crate::error::Error;
+use crate::frame::cost;
 use crate::frame::render::{self, Frame};
 use crate::frame::settings::{Settings, word};
 use crate::picture::frame_io::Picture;
@@ -55,7 +56,7 @@ pub fn run(stage: &mut dyn Stage, plan: &Plan, progress: &(dyn Fn(u64) + Sync)) 
         .flat_map(|spp| plan.variants.iter().map(|variant| Cell::new(plan, variant, *spp)))
         .collect();
     let frames = stage.frames();
-    let mut shown = Vec::new();
+    let (mut shown, mut oracle_ratio_equal_rays) = (Vec::new(), None);
     for run in 0..plan.runs {
         for frame in frames.clone() {
             let shot = stage.show(frame)?;
@@ -64,6 +65,9 @@ pub fn run(stage: &mut dyn Stage, plan: &Plan, progress: &(dyn Fn(u64) + Sync)) 
                 // The first render pays for caches, page tables and clock speed: nobody's time.
                 let settings = cell.variant.settings(shot.scene, &shot.base, cell.spp);
                 render::render(shot.scene, &settings, plan.threads, progress)?;
+                let cost = cost::rays(shot.scene, &settings, plan.threads)?;
+                let cd = f64::from(shot.scene.cd_per_unit);
+                oracle_ratio_equal_rays = cost.and_then(|cost| metrics::oracle_of(shot.reference, &cost, cd));
             }
             if frame == *frames.start() {
                 begin_run(&mut cells, plan, shot.reference, run)?;
@@ -91,6 +95,7 @@ pub fn run(stage: &mut dyn Stage, plan: &Plan, progress: &(dyn Fn(u64) + Sync)) 
         threads: shown.first().map_or(0, |shown| shown.frame.threads),
         shown,
         oracle_ratio,
+        oracle_ratio_equal_rays,
     })
 }
 

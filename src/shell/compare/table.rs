@@ -94,6 +94,9 @@ pub fn ratios(report: &Report) -> String {
     if let Some(ratio) = report.oracle_ratio {
         text += &format!("oracle ratio {ratio:.2}: what known variances would gain in Err at equal spp\n");
     }
+    if let Some(ratio) = report.oracle_ratio_equal_rays {
+        text += &format!("oracle ratio {ratio:.2} at equal rays, if what samples cost is known, too\n");
+    }
     text
 }
 

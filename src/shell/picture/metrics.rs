@@ -233,9 +233,32 @@ fn sample_variance(picture: &Picture) -> Option<Vec<f64>> {
     Some(variance)
 }
 
-/// |P|·Σσ²w/(Σσ√w)², w = 1/tvi, from samples' variances σ² and luminances in scene units. 1 if nothing varies.
+/// |P|·Σσ²w/(Σσ√w)², w = 1/tvi, from samples' variances σ² and luminances in scene units: what n ∝ σ√w would gain in Err over
+/// uniform sampling of as many samples. 1 if nothing varies.
 pub fn oracle_ratio(variance: &[f64], truth: &[f64], cd_per_unit: f64) -> f64 {
-    let terms = || variance.iter().zip(truth).map(|(v, l)| v * acuity(*l, cd_per_unit));
-    let (sum, root_sum) = (terms().sum::<f64>(), terms().map(f64::sqrt).sum::<f64>());
-    if sum > 0.0 { variance.len() as f64 * sum / (root_sum * root_sum) } else { 1.0 }
+    oracle(variance, truth, std::iter::repeat(1.0), cd_per_unit)
+}
+
+/// Σc·Σσ²w/(Σσ√(wc))², c what a sample of the pixel costs: what n ∝ σ√(w/c) would gain in Err over uniform sampling of the
+/// same cost. 1 if nothing varies, or of no length.
+pub fn oracle_ratio_at_cost(variance: &[f64], truth: &[f64], cost: &[f32], cd_per_unit: f64) -> f64 {
+    oracle(variance, truth, cost.iter().map(|cost| f64::from(*cost)), cd_per_unit)
+}
+
+fn oracle(variance: &[f64], truth: &[f64], cost: impl Iterator<Item = f64>, cd_per_unit: f64) -> f64 {
+    let (mut costs, mut sum, mut roots) = (0.0, 0.0, 0.0);
+    for ((v, l), cost) in variance.iter().zip(truth).zip(cost) {
+        let term = v * acuity(*l, cd_per_unit);
+        costs += cost;
+        sum += term;
+        roots += (term * cost).sqrt();
+    }
+    if sum > 0.0 && roots > 0.0 { costs * sum / (roots * roots) } else { 1.0 }
+}
+
+/// [`oracle_ratio_at_cost`] of a reference, if it has a `variance` plane and `cost` as many entries as pixels.
+pub fn oracle_of(reference: &Picture, cost: &[f32], cd_per_unit: f64) -> Option<f64> {
+    let truth: Vec<f64> = reference.rgb.iter().map(|&rgb| luminance(rgb)).collect();
+    let variance = sample_variance(reference).filter(|_| cost.len() == truth.len())?;
+    Some(oracle_ratio_at_cost(&variance, &truth, cost, cd_per_unit))
 }

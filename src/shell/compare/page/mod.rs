@@ -47,9 +47,13 @@ fn facts(report: &Report) -> String {
     let oracle = report.oracle_ratio.map_or("unknown: the reference has no variance".into(), |ratio| {
         format!("{ratio:.2} <small>what known variances would gain in Err over uniform sampling</small>")
     });
+    let rays = report.oracle_ratio_equal_rays.map_or("unknown".into(), |ratio| {
+        format!("{ratio:.2} <small>the same at equal rays, if what samples cost is known, too</small>")
+    });
     let mut facts = vec![
         ("Scene", escape(&report.scene_file.display().to_string())),
         ("Oracle ratio", oracle),
+        ("Oracle ratio at equal rays", rays),
         (
             "Reference",
             format!(
