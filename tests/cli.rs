@@ -1,10 +1,13 @@
 //! The program from outside: files, numbers, exit codes, and one line for everything that can be wrong.
 
+mod program;
+
 use pmcip::picture::frame_io::{Picture, read_exr, write_exr};
+use program::{failure, pmcip, success};
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Output;
 use tempfile::TempDir;
 
 /// A room of one lit wall, in a folder of its own.
@@ -16,31 +19,6 @@ fn room() -> TempDir {
     fs::write(folder.path().join("room.mtl"), "newmtl wall\nKd 0.5 0.5 0.5\nnewmtl lamp\nKe 3 2 1\n")
         .unwrap();
     folder
-}
-
-/// Runs the program in `folder`, with arguments divided by spaces.
-fn pmcip(folder: &Path, arguments: &str) -> Output {
-    let mut program = Command::new(env!("CARGO_BIN_EXE_pmcip"));
-    program.current_dir(folder).args(arguments.split_whitespace()).output().unwrap()
-}
-
-/// What a successful run printed.
-#[track_caller]
-fn success(folder: &Path, arguments: &str) -> String {
-    let Output { status, stdout, stderr } = pmcip(folder, arguments);
-    assert!(status.success(), "{arguments}: {}", String::from_utf8_lossy(&stderr));
-    String::from_utf8(stdout).unwrap()
-}
-
-/// Checks the exit code and that one line on stderr says `words`.
-#[track_caller]
-fn failure(folder: &Path, arguments: &str, code: i32, words: &str) {
-    let Output { status, stdout, stderr } = pmcip(folder, arguments);
-    let stderr = String::from_utf8(stderr).unwrap();
-    assert_eq!(status.code(), Some(code), "{arguments}: {stderr}");
-    assert!(stderr.starts_with("error: ") && stderr.trim_end().lines().count() == 1, "{arguments}: {stderr}");
-    assert!(stderr.contains(words), "{arguments}: `{words}` is not in {stderr}");
-    assert!(stdout.is_empty());
 }
 
 fn names(folder: &Path) -> Vec<String> {

@@ -14,10 +14,17 @@ pub struct Feature {
     pub depth: f32,
 }
 
+/// Least albedo light is divided by.
+const LEAST_ALBEDO: f32 = 0.02;
 /// Largest number of a feature, so that no square overflows.
 const LARGEST: f32 = 1e12;
 
 impl Feature {
+    /// What radiance is divided by to be light.
+    pub(super) fn divisor(&self) -> [f32; 3] {
+        self.albedo.map(|a| a.max(LEAST_ALBEDO))
+    }
+
     /// All numbers finite, and none too large to be squared.
     pub(super) fn limited(&self) -> Feature {
         let limit = |v: f32| if v.is_finite() { v.clamp(-LARGEST, LARGEST) } else { 0.0 };

@@ -36,8 +36,6 @@ use crate::sampler::{Error, Sampler};
 
 /// See [`Filter::PASSES`].
 const PASSES: usize = 2;
-/// Least albedo light is divided by.
-const LEAST_ALBEDO: f32 = 0.02;
 /// Largest number that enters a filter, so that no square overflows.
 const LARGEST: f32 = 1e16;
 
@@ -47,8 +45,10 @@ const RULES: [Rule; PASSES] = [
     Rule { radius: 14, patch: 2, scale: 3.0, strength: 0.6, features: [0.0027, 0.00108, 0.054] },
 ];
 
-/// By how many standard deviations of its own mean a pixel may be made brighter, and by how many of its surroundings'.
-const BRIGHTER: (f32, f32) = (10.0, 0.15);
+/// By how many standard deviations of its mean a pixel may be made brighter.
+const BRIGHTER: f32 = 10.0;
+/// As many pixels of 3 × 3 have to admit a brightness: where less do, it is a border.
+const WITNESSES: usize = 6;
 
 /// What is seen by a part of 3/n of a pixel's samples is missed by all n of them once in twenty times.
 const MISSED: f32 = 3.0;
@@ -121,9 +121,9 @@ impl<'a> Filter<'a> {
 
     /// Writes the guide, rows from the top.
     ///
-    /// A pixel whose samples' luminance has mean L and whose mean has variance v gets at most L + 10√v + 0.15·√v̄, v̄ the mean
-    /// of v over 3 × 3 pixels, or the part 3/n of what it was filtered to, n the number of its samples: so much its samples
-    /// may have missed.
+    /// A pixel whose samples' luminance has mean L and whose mean has variance v gets at most L + 10√v, or as much as six of
+    /// the 3 × 3 pixels around it may get by that, or the part 3/n of what it was filtered to, n the number of its samples:
+    /// so much its samples may have missed.
     ///
     /// # Errors
     /// If `out` has not one entry a pixel.
@@ -136,13 +136,10 @@ impl<'a> Filter<'a> {
         for (y, out) in out.chunks_exact_mut(self.grid.width).enumerate() {
             for (x, out) in out.iter_mut().enumerate() {
                 let value = |rows: &Rows<'_>, plane: usize| rows.row(plane, y + MARGIN)[x + MARGIN];
-                let albedo = [0, 1, 2].map(|c| value(&known, known::ALBEDO + c).max(LEAST_ALBEDO));
-                let radiance = |rows: &Rows<'_>| [0, 1, 2].map(|c| value(rows, c) * albedo[c]);
-                let deviation = |plane: usize| luminance(albedo) * libm::sqrtf(value(&known, plane));
-                let most = luminance(radiance(&known))
-                    + BRIGHTER.0 * deviation(known::OWN_VARIANCE)
-                    + BRIGHTER.1 * deviation(known::VARIANCE);
-                *out = darkened(radiance(&averages), most.max(0.0), value(&known, known::UNSEEN));
+                let albedo = [0, 1, 2].map(|c| value(&known, known::ALBEDO + c));
+                let albedo = Feature { albedo, ..Feature::default() }.divisor();
+                let radiance = [0, 1, 2].map(|c| value(&averages, c) * albedo[c]);
+                *out = darkened(radiance, admitted(&known, albedo, (x, y)), value(&known, known::UNSEEN));
             }
         }
         Ok(())
@@ -227,7 +224,7 @@ impl Band<'_> {
 
 /// What is known of a pixel, plane by plane.
 fn pixel(mean: [f32; 3], variance: f32, count: u32, feature: &Feature) -> [f32; known::PLANES] {
-    let albedo = feature.albedo.map(|a| a.max(LEAST_ALBEDO));
+    let albedo = feature.divisor();
     let light = [0, 1, 2].map(|c| (mean[c] / albedo[c]).clamp(-LARGEST, LARGEST));
     let shade = luminance(albedo);
     let mut values = [0.0; known::PLANES];
@@ -269,6 +266,21 @@ fn slopes(grid: Grid, data: &mut [f32]) {
             data[line(y, known::SLOPE + 1) + x] = down;
         }
     }
+}
+
+/// The luminance that the samples of a pixel admit, or those of enough of the 3 × 3 pixels around it, all seen with `albedo`.
+fn admitted(known: &Rows<'_>, albedo: [f32; 3], (x, y): (usize, usize)) -> f32 {
+    let shade = luminance(albedo);
+    let most = |x: usize, y: usize| {
+        let value = |plane: usize| known.row(plane, y)[x];
+        let light = luminance([0, 1, 2].map(|c| value(known::LIGHT + c) * albedo[c]));
+        light + BRIGHTER * shade * libm::sqrtf(value(known::OWN_VARIANCE))
+    };
+    let (x, y) = (x + MARGIN - 1, y + MARGIN - 1);
+    let mut around: [f32; 9] = core::array::from_fn(|i| most(x + i % 3, y + i / 3));
+    let own = around[4];
+    around.sort_unstable_by(f32::total_cmp);
+    own.max(around[around.len() - WITNESSES]).max(0.0)
 }
 
 /// The colour, or that of luminance `most` if it is brighter, but at least a `part` of it.

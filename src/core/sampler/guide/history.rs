@@ -8,6 +8,9 @@
 //! (The usual way of renderers in real time clamps the past to the colours around a pixel, or to a blend of fixed weight:
 //! Schied et al., *Spatiotemporal variance-guided filtering*, HPG 2017, section 4.1.)
 //!
+//! Tried and lost: to give the past this frame's energy before they are compared (a lamp that shines as before gets what
+//! another one loses); sums of differences over sums of variances (a noisy edge hides what has changed beside it).
+//!
 //! The blend is a guide as any other: the picture gets the energy of this frame's fair samples by
 //! [`Sampler::resolve_guided`](crate::sampler::Sampler::resolve_guided) in the end.
 
@@ -34,8 +37,6 @@ const NORMAL: f32 = 0.1;
 const ALBEDO: f32 = 0.01;
 /// Difference of depths of neighbouring pixels that are of one surface, over the depth.
 const DEPTH: f32 = 0.1;
-/// Least albedo light is divided by.
-const LEAST_ALBEDO: f32 = 0.02;
 
 /// What is kept of a pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -164,7 +165,7 @@ impl Blend<'_> {
         for (i, (kept, out)) in kept.iter_mut().zip(out).enumerate() {
             *out = self.filtered[i];
             if self.carried[i].known() {
-                let albedo = divisor(&kept.feature);
+                let albedo = kept.feature.divisor();
                 *kept = merged(kept, &self.carried[i], around(work, self.width, i));
                 *out = [0, 1, 2].map(|c| kept.light[c] * albedo[c]);
             }
@@ -175,7 +176,7 @@ impl Blend<'_> {
     /// What this frame says of a pixel.
     fn present(&self, i: usize) -> Past {
         let feature = self.features[i].limited();
-        let albedo = divisor(&feature);
+        let albedo = feature.divisor();
         let light = [0, 1, 2].map(|c| self.filtered[i][c] / albedo[c]);
         Past { light, variance: HONESTY * self.variance[i], feature }
     }
@@ -186,14 +187,14 @@ fn compared(now: &Past, past: &Past) -> [f32; 2] {
     if !past.known() {
         return [0.0; 2];
     }
-    let gap = luminance([0, 1, 2].map(|c| past.light[c] - now.light[c]));
+    let gap = gap(now, past);
     [(gap * gap / (past.variance + now.variance).max(f32::MIN_POSITIVE)).min(MOST), 1.0]
 }
 
 /// Present and past, weighed; `gaps` and `pixels` are sums of what was [`compared`].
 fn merged(now: &Past, past: &Past, [gaps, pixels]: [f32; 2]) -> Past {
     let noise = past.variance + now.variance;
-    let gap = luminance([0, 1, 2].map(|c| past.light[c] - now.light[c]));
+    let gap = gap(now, past);
     let around = CAUTION * (gaps / pixels - 1.0).max(0.0) * noise;
     let old = past.variance + around.max(gap * gap - OUTLIER * noise);
     let sum = old + now.variance;
@@ -205,9 +206,9 @@ fn merged(now: &Past, past: &Past, [gaps, pixels]: [f32; 2]) -> Past {
     }
 }
 
-/// What radiance is divided by to be light.
-fn divisor(feature: &Feature) -> [f32; 3] {
-    feature.limited().albedo.map(|a| a.max(LEAST_ALBEDO))
+/// Difference of luminances.
+fn gap(now: &Past, past: &Past) -> f32 {
+    luminance([0, 1, 2].map(|c| past.light[c] - now.light[c]))
 }
 
 /// Sums over the window around pixel `i`, as far as it is in the picture.
