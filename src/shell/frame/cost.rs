@@ -1,7 +1,7 @@
 //! What a sample of each pixel costs: the rays that it needs, primary, bounced and aimed at lights.
 //!
-//! Rays are counted, not timed, so that the same frame always says the same. What a ray costs, and what a sample costs
-//! besides its rays, differs less over a picture than their number.
+//! Rays are counted, not timed, so that the same frame always says the same. All rays are taken to cost the same, and a sample
+//! nothing besides its rays.
 
 use super::memory::zeros;
 use super::settings::{Integrator, Settings};

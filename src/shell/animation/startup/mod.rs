@@ -11,7 +11,9 @@
 //! noise, where edges creep by parts of a pixel, or where the light has changed, a look at the frame itself beats any
 //! memory. The first two frames always start so: there is no prediction yet that could be judged.
 //!
-//! Memory: about 150 bytes a pixel.
+//! It also carries the [`history`](crate::animation::history) of filtered frames, if that is asked for.
+//!
+//! Memory: about 160 bytes a pixel, and what the history needs.
 
 use crate::animation::history::History;
 use crate::animation::motion::{Motion, Sight};
