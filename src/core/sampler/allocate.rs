@@ -15,6 +15,9 @@
 use crate::maths::eight::{read8, write8};
 use wide::f32x8;
 
+mod open;
+pub(crate) use open::{CLOSED, allocate_open};
+
 /// Most fractional bits of an expected count, and bits of the offset.
 pub const FRACTION_BITS: u32 = 32;
 /// Most pixels of an allocation.
@@ -198,6 +201,11 @@ impl Shares {
         let unknown = if steers { unknown } else { 0.0 };
         let samples = 1.0 / (1u64 << bits) as f32;
         Shares { uniform: part / pixels, factor, unknown, bits, samples, total }
+    }
+
+    /// A pixel's weight, or that of a pixel without a known one.
+    fn weight(&self, weight: f32) -> f32 {
+        if (0.0..=f32::MAX).contains(&weight) { weight } else { self.unknown }
     }
 
     /// Turns up to a run of weights into expected counts, writes these in units too, and returns the sum of the weights.

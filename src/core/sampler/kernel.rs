@@ -91,10 +91,11 @@ impl Kernel {
     /// Writes every pixel's weight into the plane `target` and returns their sum. `prior` has one belief a pixel, row by
     /// row, or none at all.
     pub(crate) fn adapt(&self, layout: &Layout, planes: &mut Planes<'_>, prior: &[Belief]) -> Known {
-        let (mut known, mut blocks) = (Known::default(), Blocks::new());
+        let (mut known, mut blocks, mut labels) = (Known::default(), Blocks::new(), Blocks::new());
         for tile in (0..layout.tiles()).map(|t| layout.tile(t)) {
             see(layout, &tile, planes, &mut blocks);
-            self.adapt_tile(layout, &tile, planes, &blocks, prior);
+            let labels = see_labels(layout, &tile, planes, &mut labels);
+            self.adapt_tile(layout, &tile, planes, (&blocks, labels), prior);
             known.add(&planes.target[tile.first..tile.first + tile.pixels()]);
         }
         known
@@ -105,7 +106,7 @@ impl Kernel {
         layout: &Layout,
         tile: &Tile,
         planes: &mut Planes<'_>,
-        blocks: &Blocks<4>,
+        (blocks, labels): (&Blocks<4>, Option<&Blocks<1>>),
         prior: &[Belief],
     ) {
         // Two loops: a weight is a long chain of dependent operations, and the shorter the loop around it, the more
@@ -113,7 +114,7 @@ impl Kernel {
         let (mut variances, mut lights) = ([[0.0; SIDE]; SIDE], [[0.0; SIDE]; SIDE]);
         let (width, height) = (tile.width as usize, tile.height as usize);
         for x in (0..width).step_by(8) {
-            blocks.for_each_row(self.window, x, height, |y, sums, own| {
+            blocks.for_each_row(labels, self.window, x, height, |y, sums, own| {
                 let first = raster(layout, tile, x, y);
                 let prior = prior.get(first..first + (width - x).min(8)).unwrap_or(&[]);
                 let (variance, light) = self.judge(self.filled_up(Eight::new(sums, own), prior));
@@ -131,11 +132,12 @@ impl Kernel {
 
     /// Writes what the windows know of every pixel, row by row.
     pub(crate) fn observe(&self, layout: &Layout, planes: &Planes<'_>, out: &mut [Belief]) {
-        let mut blocks = Blocks::new();
+        let (mut blocks, mut labels) = (Blocks::new(), Blocks::new());
         for tile in (0..layout.tiles()).map(|t| layout.tile(t)) {
             see(layout, &tile, planes, &mut blocks);
+            let labels = see_labels(layout, &tile, planes, &mut labels);
             for x in (0..tile.width as usize).step_by(8) {
-                blocks.for_each_row(self.window, x, tile.height as usize, |y, sums, own| {
+                blocks.for_each_row(labels, self.window, x, tile.height as usize, |y, sums, own| {
                     let first = raster(layout, &tile, x, y);
                     let out = &mut out[first..first + (tile.width as usize - x).min(8)];
                     self.believe(&Eight::new(sums, own), out);
@@ -206,6 +208,20 @@ fn see(layout: &Layout, tile: &Tile, planes: &Planes<'_>, blocks: &mut Blocks<4>
         let m2 = read8(&planes.m2[pixels.clone()]);
         [m2, count - known, luminance8(planes.mean8(pixels)), known]
     });
+}
+
+/// Fills the block with the labels around `tile`, if pixels have any.
+fn see_labels<'b>(
+    layout: &Layout,
+    tile: &Tile,
+    planes: &Planes<'_>,
+    labels: &'b mut Blocks<1>,
+) -> Option<&'b Blocks<1>> {
+    if planes.label.is_empty() {
+        return None;
+    }
+    labels.fill(layout, tile, |pixels| [count8(&planes.label[pixels])]);
+    Some(labels)
 }
 
 /// The place of a tile's pixel in the picture's rows.

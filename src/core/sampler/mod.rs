@@ -37,7 +37,7 @@
 
 use crate::maths::sobol::{PixelKeys, frame_key, hash};
 use crate::predict::{Belief, Prior};
-use crate::sampler::allocate::{Known, Mixture, allocate_known};
+use crate::sampler::allocate::{CLOSED, Known, Mixture, allocate_known, allocate_open};
 use crate::sampler::estimate::{Estimator, Lanes};
 use crate::sampler::film::{FLOATS, Layout, Planes, WORDS};
 use crate::sampler::kernel::UNKNOWN;
@@ -82,6 +82,10 @@ pub struct Sampler<'a> {
     settings: Settings,
     layout: Layout,
     planes: Planes<'a>,
+    /// How many pixels there are: all, or those of a label other than 0.
+    used: usize,
+    /// Of how many pixels the current or last iteration's mixture is.
+    open: usize,
     /// Number of the iteration that runs or is next.
     iteration: u32,
     /// Samples of all iterations that have ended.
@@ -101,22 +105,82 @@ impl<'a> Sampler<'a> {
         Required { floats: FLOATS.saturating_mul(pixels), words: WORDS.saturating_mul(pixels) }
     }
 
+    /// How much memory a film with labels takes: 48 bytes a pixel.
+    pub fn required_with_labels(width: u32, height: u32) -> Required {
+        let Required { floats, words } = Sampler::required(width, height);
+        Required { floats, words: words / WORDS * (WORDS + 1) }
+    }
+
     /// An empty film on lent memory.
     ///
     /// # Errors
     /// If a setting is out of range or memory is short.
     pub fn new(settings: Settings, memory: Memory<'a>) -> Result<Self, Error> {
         let layout = settings.check()?;
-        let required = Sampler::required(settings.width, settings.height);
+        Self::empty(settings, layout.pixels(), memory, Sampler::required(settings.width, settings.height))
+    }
+
+    /// An empty film on lent memory, whose pixels do not all belong together: an atlas of textures, say.
+    ///
+    /// `labels`, row by row from the top, `u8` or `u16`, say to which island a pixel belongs, 0 to none: it has no samples,
+    /// no weight, and no place in totals. No window, filter or smoothing looks from one island into another, and each has the
+    /// energy of its own samples. They are copied: memory as [`required_with_labels`](Self::required_with_labels) says.
+    ///
+    /// Reading out takes two passes over the labels for every island: with thousands of them on millions of pixels, seconds.
+    ///
+    /// ```
+    /// use pmcip_core::sampler::{Memory, Sampler, Settings};
+    ///
+    /// let labels = [1u8, 1, 0, 2, 2, 0]; // two islands of two pixels
+    /// let (mut floats, mut words) = ([0.0; 8 * 6], [0; 4 * 6]); // as Sampler::required_with_labels(6, 1) says
+    /// let memory = Memory { floats: &mut floats, words: &mut words };
+    /// let mut sampler = Sampler::with_labels(Settings::new(6, 1), memory, &labels)?;
+    /// assert_eq!(sampler.pixels(), 4);
+    /// sampler.begin(8)?;
+    /// assert_eq!(sampler.jobs().map(|job| job.samples()).sum::<u64>(), 8);
+    /// # Ok::<(), pmcip_core::sampler::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// If a setting is out of range, memory is short, or `labels` are of another number than pixels or all 0.
+    pub fn with_labels<L: Copy + Into<u16>>(
+        settings: Settings,
+        memory: Memory<'a>,
+        labels: &[L],
+    ) -> Result<Self, Error> {
+        let layout = settings.check()?;
+        let used = labels.iter().filter(|label| (**label).into() != 0).count();
+        if used == 0 || labels.len() != layout.pixels() {
+            return Err(Error::Labels);
+        }
+        let required = Sampler::required_with_labels(settings.width, settings.height);
+        let words = memory.words.get_mut(..required.words).ok_or(Error::Memory)?;
+        let plane = &mut words[WORDS * layout.pixels()..];
+        layout.for_each_run(|run, raster| {
+            plane[run].iter_mut().zip(&labels[raster..]).for_each(|(to, label)| *to = (*label).into().into());
+        });
+        let mut sampler = Self::empty(settings, used, memory, required)?;
+        let planes = &mut sampler.planes;
+        for (drawn, label) in planes.drawn.iter_mut().zip(planes.label) {
+            *drawn = if *label == 0 { u32::MAX } else { 0 };
+        }
+        Ok(sampler)
+    }
+
+    /// A film without samples; what is in memory beyond [`WORDS`] words a pixel stays as it is.
+    fn empty(settings: Settings, used: usize, memory: Memory<'a>, required: Required) -> Result<Self, Error> {
+        let layout = settings.check()?;
         let floats = memory.floats.get_mut(..required.floats).ok_or(Error::Memory)?;
         let words = memory.words.get_mut(..required.words).ok_or(Error::Memory)?;
         floats.fill(0.0);
-        words.fill(0);
+        words[..WORDS * layout.pixels()].fill(0);
         let planes = Planes::new(floats, words, layout.pixels()).ok_or(Error::Memory)?;
         Ok(Sampler {
             settings,
             layout,
             planes,
+            used,
+            open: used,
             iteration: 0,
             samples: 0,
             fair: Fair::default(),
@@ -128,6 +192,11 @@ impl<'a> Sampler<'a> {
     /// The settings the sampler was made with.
     pub fn settings(&self) -> &Settings {
         &self.settings
+    }
+
+    /// Number of pixels that get samples: all, or those of a label other than 0.
+    pub fn pixels(&self) -> usize {
+        self.used
     }
 
     /// Number of iterations that have ended.
@@ -152,8 +221,10 @@ impl<'a> Sampler<'a> {
 
     /// Begins an iteration as [`begin`](Self::begin) does, with what earlier frames tell.
     ///
-    /// The first iteration is uniform all the same: one sample a pixel is enough, and no pixel is ever left without.
-    /// `prior` must not stem from this frame's samples, or the picture is biased.
+    /// With beliefs the first iteration is uniform all the same: one sample a pixel is enough, and no pixel is ever left without.
+    /// With [`Prior::Alpha`] every iteration follows it, and a pixel of α = 0 gets nothing in it, not even of what is given to
+    /// all alike. A frame that begins so should have [`Settings::for_frame`] with a pilot of 0, so that fair samples are
+    /// promised to all. `prior` must not stem from this frame's samples, or the picture is biased.
     ///
     /// # Errors
     /// As `begin`, and [`Error::Prior`] if `prior` has not one entry a pixel or none.
@@ -171,7 +242,10 @@ impl<'a> Sampler<'a> {
         if samples == 0 || samples > crate::sampler::allocate::MAX_SAMPLES {
             return Err(Error::Samples);
         }
-        let adaptive = self.settings.mode == Mode::Adaptive && self.iteration > 0;
+        let given = matches!(prior, Prior::Alpha(alpha) if !alpha.is_empty());
+        let adaptive = self.settings.mode == Mode::Adaptive && (self.iteration > 0 || given);
+        let known = if adaptive { self.adapt(prior) } else { Known::default() };
+        self.open = self.close(adaptive && given);
         let missing = self.promise(samples, adaptive);
         self.mixture = match adaptive {
             true => {
@@ -179,38 +253,73 @@ impl<'a> Sampler<'a> {
             }
             false => Mixture { samples, floor: 0.0, epsilon: 1.0 },
         };
-        let known = if adaptive { self.adapt(prior) } else { Known::default() };
         let offset = hash(frame_key(!self.settings.seed, self.settings.frame) ^ self.iteration);
-        allocate_known(self.planes.target, self.planes.planned, self.mixture, offset, &known)?;
+        let Planes { target, planned, drawn, .. } = &mut self.planes;
+        match self.open == target.len() {
+            true => allocate_known(target, planned, self.mixture, offset, &known)?,
+            false => allocate_open(target, planned, self.mixture, offset)?,
+        }
         if missing > 0 {
-            for (i, (planned, drawn)) in self.planes.planned.iter_mut().zip(&*self.planes.drawn).enumerate() {
-                *planned += self.fair.missing(i, *drawn);
+            for (i, ((planned, drawn), target)) in planned.iter_mut().zip(&**drawn).zip(&**target).enumerate()
+            {
+                *planned += if *target == CLOSED { 0 } else { self.fair.missing(i, *drawn) };
             }
         }
         self.running = samples;
         Ok(())
     }
 
+    /// Closes the pixels that are not there, and returns how many get samples; `given` is a kernel that closes others, too.
+    fn close(&mut self, given: bool) -> usize {
+        let Planes { target, label, .. } = &mut self.planes;
+        let outside = target.iter_mut().zip(*label).filter(|(_, label)| **label == 0);
+        outside.for_each(|(target, _)| *target = CLOSED);
+        if !given {
+            return self.used;
+        }
+        match target.iter().filter(|target| **target != CLOSED).count() {
+            // A kernel that gives nobody anything says nothing.
+            0 => {
+                let inside = target.iter_mut().enumerate().filter(|(i, _)| label.get(*i) != Some(&0));
+                inside.for_each(|(_, target)| *target = UNKNOWN);
+                self.used
+            }
+            open => open,
+        }
+    }
+
     /// Promises fair samples with an iteration of `samples`; returns how many pixels lack.
     fn promise(&mut self, samples: u64, adaptive: bool) -> u64 {
-        let pixels = self.layout.pixels();
         if self.iteration == 0 {
             let uniform = self.settings.mode == Mode::Uniform;
             let count = if uniform { u32::MAX } else { self.settings.fair };
-            self.fair = Fair::new(count, (samples / pixels as u64) as u32);
+            let given = if adaptive { 0 } else { (samples / self.used as u64) as u32 };
+            self.fair = Fair::new(count, given);
         }
         if !adaptive {
             return 0;
         }
-        let each = f64::from(self.settings.defensive) * samples as f64 / pixels as f64;
+        let each = f64::from(self.settings.defensive) * samples as f64 / self.used as f64;
         let next = self.fair.promise(each);
-        let missing = next.total(self.planes.drawn);
+        let missing = self.lacking(next);
         // What is due to few pixels cannot always be rounded to fewer samples than there are.
         if missing > samples {
-            return self.fair.total(self.planes.drawn);
+            return self.lacking(self.fair);
         }
         self.fair = next;
         missing
+    }
+
+    /// How many samples the pixels lack together that can get some.
+    fn lacking(&self, fair: Fair) -> u64 {
+        let closed = match self.open == self.used {
+            true => 0,
+            false => {
+                let closed = self.planes.target.iter().enumerate().filter(|(_, target)| **target == CLOSED);
+                closed.map(|(i, _)| u64::from(fair.missing(i, self.planes.drawn[i]))).sum()
+            }
+        };
+        fair.total(self.planes.drawn) - closed
     }
 
     /// m, samples that every pixel expects at least in an adaptive iteration, beyond what was promised.
@@ -228,7 +337,11 @@ impl<'a> Sampler<'a> {
         };
         self.layout.for_each_run(|run, raster| {
             for (target, alpha) in planes.target[run].iter_mut().zip(&alpha[raster..]) {
-                *target = if alpha.is_finite() && *alpha >= 0.0 { *alpha } else { UNKNOWN };
+                *target = match *alpha {
+                    0.0 => CLOSED,
+                    alpha if alpha.is_finite() && alpha > 0.0 => alpha,
+                    _ => UNKNOWN,
+                };
             }
         });
         let mut known = Known::default();
@@ -342,13 +455,14 @@ impl<'a> Sampler<'a> {
     /// # Errors
     /// If `out` is not as long as the picture has pixels.
     pub fn alpha(&self, out: &mut [f32]) -> Result<(), Error> {
-        let pixels = self.layout.pixels() as f64;
+        let pixels = self.open as f64;
         let samples = self.mixture.samples as f64;
         let floor = f64::from(self.mixture.floor).min(samples / pixels);
         let rest = samples - floor * pixels;
-        self.read_out(out, |i| {
-            let alpha = (f64::from(self.planes.target[i]) - floor) / rest;
-            if rest > 0.0 { alpha.max(0.0) as f32 } else { (1.0 / pixels) as f32 }
+        self.read_out(out, |i| match self.planes.target[i] {
+            CLOSED => 0.0,
+            target if rest > 0.0 => ((f64::from(target) - floor) / rest).max(0.0) as f32,
+            _ => (1.0 / pixels) as f32,
         })
     }
 

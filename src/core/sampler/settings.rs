@@ -196,6 +196,8 @@ pub enum Error {
     Estimator,
     /// Scratch is shorter than [`Sampler::resolve_scratch`](super::Sampler::resolve_scratch) says.
     Scratch,
+    /// Labels have not the length of the picture, or all are 0.
+    Labels,
     /// A prediction has not the length of the picture.
     Prior,
     /// An output has not the length of the picture.
@@ -224,6 +226,7 @@ impl core::fmt::Display for Error {
             Error::Running => "an iteration is running: end it before the film is read",
             Error::Estimator => "the film accumulates for another estimator: set Settings::estimator",
             Error::Scratch => "scratch is too short: lend as much as Sampler::resolve_scratch says",
+            Error::Labels => "labels must have one entry a pixel, and one must not be 0",
             Error::Prior => "a prediction must have one entry a pixel",
             Error::Guide => "a guided picture needs a guide, and that and its features one entry a pixel",
             Error::Output => "an output must have one entry a pixel, three for RGB",

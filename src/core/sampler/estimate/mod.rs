@@ -18,6 +18,10 @@
 //!   would be spread onto black background, where it shows. A pixel can become negative; to clip it would be a
 //!   bias.
 //!
+//! Where pixels have labels, G is that of each island by itself: sums, takers and boxes are taken over its own pixels, in the
+//! rectangle of cells that holds it, with the same reflection at the rectangle's borders. Cells without any of its pixels
+//! dilute what is given back and what is taken alike, so the quotient does not see them, and ΣC = ΣD for every island.
+//!
 //! F can be any picture ([`Sampler::resolve_guided`](crate::sampler::Sampler::resolve_guided)): the energy is D's, the error
 //! about F's. Then a = √(L(F) + 10⁻⁶·|F − Q|), so that what a black F loses finds takers as well.
 //!

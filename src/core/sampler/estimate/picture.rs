@@ -8,7 +8,8 @@ use super::smooth::{self, LANES, Lanes, smooth};
 use crate::maths::colour::luminance8;
 use crate::maths::eight::{read_rgb8, read8, write_rgb8};
 use crate::sampler::batch::MAX_RADIANCE;
-use crate::sampler::film::cell::{CELL, Cell};
+use crate::sampler::film::cell::{CELL, Cell, Region};
+use crate::sampler::film::island::{Among, Everyone, Island};
 use crate::sampler::film::{Layout, Planes};
 use core::ops::Range;
 use wide::f32x8;
@@ -37,7 +38,7 @@ pub(crate) fn scratch_len(width: u32, height: u32) -> usize {
 
 /// Writes three planes of the film, row by row.
 pub(crate) fn plain(layout: &Layout, colours: &[&mut [f32]; 3], out: &mut [[f32; 3]]) {
-    layout.for_each_cell(|cell| {
+    layout.for_each_cell(&Region::all(layout), |cell| {
         for dy in 0..cell.height {
             let rgb = colours.each_ref().map(|plane| read8(&plane[cell.row(dy)]));
             write_rgb8(&mut out[cell.raster(dy, layout.width() as usize)], rgb);
@@ -95,7 +96,7 @@ pub(crate) fn balanced(
 ) {
     let mean = |cell: &Cell, dy: usize| planes.mean8(cell.row(dy));
     let whole = |cell: &Cell, dy: usize| planes.fair8(cell.row(dy));
-    guided(layout, &Parts { guide: mean, whole, mean }, radii(radius), scratch, out);
+    guided(layout, planes.label, &Parts { guide: mean, whole, mean }, radii(radius), scratch, out);
 }
 
 /// Writes `picture` (rows from the top), given `energy`; where it is not finite or beyond
@@ -112,7 +113,7 @@ pub(crate) fn lent(
     let whole = |cell: &Cell, dy: usize| energy.of(planes, cell.row(dy));
     let lent = rows(layout, picture);
     let guide = |cell: &Cell, dy: usize| usable(lent(cell, dy), mean(cell, dy));
-    guided(layout, &Parts { guide, whole, mean }, energy.radii(), scratch, out);
+    guided(layout, planes.label, &Parts { guide, whole, mean }, energy.radii(), scratch, out);
 }
 
 /// The same of pictures alone, all with rows from the top: `picture` with the energy of `fair` over neighbourhoods of
@@ -126,7 +127,7 @@ pub(crate) fn restored(
 ) {
     let (lent, whole, mean) = (rows(layout, picture), rows(layout, fair), rows(layout, mean));
     let guide = |cell: &Cell, dy: usize| usable(lent(cell, dy), mean(cell, dy));
-    guided(layout, &Parts { guide, whole, mean: &mean }, radii(radius), scratch, out);
+    guided(layout, &[], &Parts { guide, whole, mean: &mean }, radii(radius), scratch, out);
 }
 
 /// Rows of a picture that is stored row by row.
@@ -143,26 +144,46 @@ fn usable(lent: [f32x8; 3], mean: [f32x8; 3]) -> [f32x8; 3] {
     [0, 1, 2].map(|c| usable.select(lent[c], mean[c]))
 }
 
-/// Writes the guide, given the energy of the whole over neighbourhoods of these `radii`, in cells.
+/// Writes the guide, given the energy of the whole over neighbourhoods of these `radii`, in cells; of every island by itself,
+/// if there are `labels`, and black where there is none.
 fn guided(
     layout: &Layout,
+    labels: &[u32],
     parts: &Parts<impl Row, impl Row, impl Row>,
     radii: [u32; 3],
     scratch: &mut [Lanes],
     out: &mut [[f32; 3]],
 ) {
-    let size = layout.grid();
+    if labels.is_empty() {
+        return guided_among(layout, (Everyone, &Region::all(layout)), parts, radii, scratch, out);
+    }
+    out.fill([0.0; 3]);
+    for (island, region) in Island::each(layout, labels) {
+        guided_among(layout, (island, &region), parts, radii, scratch, out);
+    }
+}
+
+/// Writes the pixels of `among`, all of which are in `region`, as if there were no others.
+fn guided_among(
+    layout: &Layout,
+    (among, region): (impl Among, &Region),
+    parts: &Parts<impl Row, impl Row, impl Row>,
+    radii: [u32; 3],
+    scratch: &mut [Lanes],
+    out: &mut [[f32; 3]],
+) {
+    let size = region.grid(layout);
     let cells = size.0 * size.1;
     let (grids, lines) = scratch.split_at_mut((4 * cells).div_ceil(LANES));
     let (taken, excess) = grids.as_flattened_mut()[..4 * cells].split_at_mut(cells);
-    gather(layout, parts, taken, excess.as_chunks_mut().0);
+    gather(layout, (among, region), parts, taken, excess.as_chunks_mut().0);
     smooth::<1>(taken, size, radii, lines);
     for (excess, taken) in excess.as_chunks_mut::<3>().0.iter_mut().zip(taken) {
         // Where nobody takes anything, no sample was ever bright: there is nothing to spread.
         *excess = excess.map(|excess| excess / taken.max(1e-12));
     }
     smooth::<3>(excess, size, radii, lines);
-    spread(layout, parts, excess.as_chunks().0, out);
+    spread(layout, (among, region), parts, excess.as_chunks().0, out);
 }
 
 /// Radii of three boxes over cells that, with what cells and interpolation blur by themselves, have a variance of
@@ -189,22 +210,24 @@ fn takes(guide: [f32x8; 3], mean: [f32x8; 3]) -> f32x8 {
 /// Sums the excess over each cell, and what its pixels take over all pixels that interpolate between it and others.
 fn gather(
     layout: &Layout,
+    (among, region): (impl Among, &Region),
     parts: &Parts<impl Row, impl Row, impl Row>,
     taken: &mut [f32],
     excess: &mut [[f32; 3]],
 ) {
     taken.fill(0.0);
-    let (columns, rows) = layout.grid();
-    layout.for_each_cell(|cell| {
+    let (columns, rows) = region.grid(layout);
+    layout.for_each_cell(region, |cell| {
         let mut lost = [f32x8::ZERO; 3];
         let mut takers = [f32x8::ZERO; 3];
         for dy in 0..cell.height {
             let (guide, whole) = ((parts.guide)(&cell, dy), (parts.whole)(&cell, dy));
-            let here = takes(guide, (parts.mean)(&cell, dy));
+            let mask = among.mask(cell.row(dy));
+            let here = mask & takes(guide, (parts.mean)(&cell, dy));
             for (sum, near) in takers.iter_mut().zip(NEAR) {
                 *sum += here * f32x8::splat(near[dy]);
             }
-            (0..3).for_each(|c| lost[c] += whole[c] - guide[c]);
+            (0..3).for_each(|c| lost[c] += mask & (whole[c] - guide[c]));
         }
         excess[cell.y * columns + cell.x] = lost.map(sum);
         for (takers, y) in takers.iter().zip(around(cell.y, rows)) {
@@ -216,20 +239,25 @@ fn gather(
 }
 
 /// Writes the guide plus what the pixel takes of `excess`, interpolated between cells.
-fn spread(
+fn spread<A: Among>(
     layout: &Layout,
+    (among, region): (A, &Region),
     parts: &Parts<impl Row, impl Row, impl Row>,
     excess: &[[f32; 3]],
     out: &mut [[f32; 3]],
 ) {
-    let (columns, rows) = layout.grid();
-    layout.for_each_cell(|cell| {
+    let (columns, rows) = region.grid(layout);
+    layout.for_each_cell(region, |cell| {
         let x = around(cell.x, columns);
         let rows = around(cell.y, rows).map(|y| across(x.map(|x| excess[y * columns + x])));
         for dy in 0..cell.height {
             let (guide, mean) = ((parts.guide)(&cell, dy), (parts.mean)(&cell, dy));
             let raster = cell.raster(dy, layout.width() as usize);
-            write_row(guide, takes(guide, mean), &rows, dy, &mut out[raster]);
+            let rgb = row_of(guide, takes(guide, mean), &rows, dy);
+            let out = &mut out[raster];
+            let kept = if A::ALL { rgb } else { read_rgb8(out) };
+            let mask = among.mask(cell.row(dy));
+            write_rgb8(out, [0, 1, 2].map(|c| mask.select(rgb[c], kept[c])));
         }
     });
 }
@@ -237,10 +265,10 @@ fn spread(
 /// Row `dy` of a cell; `rows` are the excesses of three rows of cells, interpolated to its columns, `part` what its
 /// pixels take of them.
 #[inline(always)]
-fn write_row(guide: [f32x8; 3], part: f32x8, rows: &[[f32x8; 3]; 3], dy: usize, out: &mut [[f32; 3]]) {
+fn row_of(guide: [f32x8; 3], part: f32x8, rows: &[[f32x8; 3]; 3], dy: usize) -> [f32x8; 3] {
     let other = if dy < CELL / 2 { 0 } else { 2 };
     let (near, far) = (f32x8::splat(NEAR[1][dy]), f32x8::splat(NEAR[other][dy]));
-    write_rgb8(out, [0, 1, 2].map(|c| guide[c] + part * (rows[1][c] * near + rows[other][c] * far)));
+    [0, 1, 2].map(|c| guide[c] + part * (rows[1][c] * near + rows[other][c] * far))
 }
 
 /// Colours of three neighbouring cells, interpolated to the columns of the middle one.

@@ -1,6 +1,6 @@
 //! Cells of 8 × 8 pixels, four to a tile: what is smooth over dozens of pixels is computed once a cell.
 
-use super::layout::Layout;
+use super::layout::{Layout, TILE};
 use core::ops::Range;
 
 /// Side of a cell in pixels.
@@ -17,6 +17,8 @@ pub(crate) struct Cell {
     pub width: usize,
     /// Rows of pixels.
     pub height: usize,
+    /// Index of the first pixel in a picture of the film's size, stored row by row.
+    raster: usize,
     /// Storage index of the first pixel, and from one row to the next.
     first: usize,
     stride: usize,
@@ -30,30 +32,51 @@ impl Cell {
         first..first + self.width
     }
 
-    /// Where row `dy` of the cell is in a picture `width` pixels wide, stored row by row.
+    /// Where row `dy` of the cell is in a picture of the film's size, `width` pixels wide, stored row by row.
     #[inline(always)]
     pub fn raster(&self, dy: usize, width: usize) -> Range<usize> {
-        let first = (self.y * CELL + dy) * width + self.x * CELL;
+        let first = self.raster + dy * width;
         first..first + self.width
     }
 }
 
-impl Layout {
-    /// Columns and rows of the grid of cells.
-    pub(crate) fn grid(&self) -> (usize, usize) {
-        ((self.width() as usize).div_ceil(CELL), (self.height() as usize).div_ceil(CELL))
+/// A rectangle of tiles: columns and rows of them.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Region {
+    pub columns: Range<u32>,
+    pub rows: Range<u32>,
+}
+
+impl Region {
+    /// All tiles.
+    pub fn all(layout: &Layout) -> Region {
+        Region { columns: 0..layout.width().div_ceil(TILE), rows: 0..layout.height().div_ceil(TILE) }
     }
 
-    /// Calls `f` for all cells, in the order of their tiles.
+    /// Columns and rows of its grid of cells.
+    pub fn grid(&self, layout: &Layout) -> (usize, usize) {
+        let cells = |tiles: &Range<u32>, side: u32| {
+            ((TILE * tiles.end).min(side) - TILE * tiles.start).div_ceil(CELL as u32) as usize
+        };
+        (cells(&self.columns, layout.width()), cells(&self.rows, layout.height()))
+    }
+}
+
+impl Layout {
+    /// Calls `f` for all cells of a region, in the order of their tiles; their columns and rows count from its corner.
     #[inline(always)]
-    pub(crate) fn for_each_cell(&self, mut f: impl FnMut(Cell)) {
-        for tile in (0..self.tiles()).map(|t| self.tile(t)) {
+    pub(crate) fn for_each_cell(&self, region: &Region, mut f: impl FnMut(Cell)) {
+        let across = self.width().div_ceil(TILE);
+        let tiles = region.rows.clone().flat_map(|y| region.columns.clone().map(move |x| y * across + x));
+        let (left, top) = (TILE * region.columns.start, TILE * region.rows.start);
+        for tile in tiles.map(|t| self.tile(t)) {
             let (width, height) = (tile.width as usize, tile.height as usize);
             for y in (0..height).step_by(CELL) {
                 for x in (0..width).step_by(CELL) {
                     f(Cell {
-                        x: (tile.x0 as usize + x) / CELL,
-                        y: (tile.y0 as usize + y) / CELL,
+                        x: ((tile.x0 - left) as usize + x) / CELL,
+                        y: ((tile.y0 - top) as usize + y) / CELL,
+                        raster: (tile.y0 as usize + y) * self.width() as usize + tile.x0 as usize + x,
                         width: CELL.min(width - x),
                         height: CELL.min(height - y),
                         first: tile.first + y * width + x,
@@ -73,9 +96,10 @@ mod tests {
     fn cells_cover_every_pixel_once() {
         for (width, height) in [(1, 1), (16, 16), (17, 9), (8, 33), (40, 50), (100, 3)] {
             let layout = Layout::new(width, height).unwrap();
-            let (columns, rows) = layout.grid();
+            let all = Region::all(&layout);
+            let (columns, rows) = all.grid(&layout);
             let mut covered = 0;
-            layout.for_each_cell(|cell| {
+            layout.for_each_cell(&all, |cell| {
                 assert!(cell.x < columns && cell.y < rows);
                 for dy in 0..cell.height {
                     let (row, raster) = (cell.row(dy), cell.raster(dy, width as usize));

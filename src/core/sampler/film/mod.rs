@@ -10,6 +10,7 @@
 
 pub(crate) mod arrivals;
 pub(crate) mod cell;
+pub(crate) mod island;
 mod layout;
 mod planes;
 pub(crate) mod window;

@@ -8,7 +8,7 @@ use wide::f32x8;
 pub(crate) const WORDS: usize = 3;
 /// See [`WORDS`].
 pub(crate) const FLOATS: usize = 8;
-/// What a pixel costs in lent memory.
+/// What a pixel costs in lent memory; four bytes more if it has a label.
 pub const BYTES_PER_PIXEL: usize = 4 * (WORDS + FLOATS);
 
 /// The planes of a film or of a contiguous part of it, in storage order.
@@ -16,7 +16,8 @@ pub const BYTES_PER_PIXEL: usize = 4 * (WORDS + FLOATS);
 pub(crate) struct Planes<'a> {
     /// Samples in `mean`.
     pub count: &'a mut [u32],
-    /// Samples drawn so far, rejected ones included: where the pixel's sequence goes on.
+    /// Samples drawn so far, rejected ones included: where the pixel's sequence goes on. The most there can be where the
+    /// label is 0, so that none is ever due there.
     pub drawn: &'a mut [u32],
     /// Samples planned for the current iteration that are not in the film yet.
     pub planned: &'a mut [u32],
@@ -28,10 +29,12 @@ pub(crate) struct Planes<'a> {
     pub fair: [&'a mut [f32]; 3],
     /// Samples expected of the current iteration; while the kernel adapts, its weight.
     pub target: &'a mut [f32],
+    /// Which pixels belong together, 0 where there is none; empty if all do, and in parts of a film.
+    pub label: &'a [u32],
 }
 
 impl<'a> Planes<'a> {
-    /// Divides `floats` and `words`, [`FLOATS`] and [`WORDS`] a pixel, into planes.
+    /// Divides `floats` and `words`, [`FLOATS`] and [`WORDS`] a pixel, into planes. One word more a pixel is its label.
     pub fn new(floats: &'a mut [f32], words: &'a mut [u32], pixels: usize) -> Option<Self> {
         let mut floats = floats.chunks_exact_mut(pixels);
         let mut words = words.chunks_exact_mut(pixels);
@@ -44,6 +47,7 @@ impl<'a> Planes<'a> {
             m2: float()?,
             fair: [float()?, float()?, float()?],
             target: float()?,
+            label: words.next().map_or(&[], |label| label),
         })
     }
 
@@ -57,7 +61,8 @@ impl<'a> Planes<'a> {
             mean: [f(), f(), f()],
             m2: f(),
             fair: [f(), f(), f()],
-            target: f(),
+            target: &mut [],
+            label: &[],
         }
     }
 
@@ -71,6 +76,7 @@ impl<'a> Planes<'a> {
             m2: self.m2,
             fair: self.fair.each_mut().map(|p| &mut **p),
             target: self.target,
+            label: self.label,
         }
     }
 
@@ -84,7 +90,7 @@ impl<'a> Planes<'a> {
         let (mean, mean_) = split_colours(self.mean, at);
         let (fair, fair_) = split_colours(self.fair, at);
         (
-            Planes { count, drawn, planned, mean, m2, fair, target },
+            Planes { count, drawn, planned, mean, m2, fair, target, label: &[] },
             Planes {
                 count: count_,
                 drawn: drawn_,
@@ -93,6 +99,7 @@ impl<'a> Planes<'a> {
                 m2: m2_,
                 fair: fair_,
                 target: target_,
+                label: &[],
             },
         )
     }

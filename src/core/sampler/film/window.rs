@@ -92,16 +92,20 @@ impl<const N: usize> Blocks<N> {
     }
 
     /// Calls `f(y, sums, own)` for every row `y` of the tile: sums over the windows of eight pixels from column `x`
-    /// on, and the quantities of the pixels themselves.
+    /// on, and the quantities of the pixels themselves. With `labels` a window has the pixels of its centre's label alone.
     #[inline(always)]
     pub fn for_each_row(
         &self,
+        labels: Option<&Blocks<1>>,
         window: Window,
         x: usize,
         rows: usize,
         mut f: impl FnMut(usize, [f32x8; N], [f32x8; N]),
     ) {
-        let own = |y: usize| self.0.each_ref().map(|block| read8(&block[y + 1][x + 1..]));
+        if let (Some(Blocks([labels])), Window::Square3) = (labels, window) {
+            return (0..rows).for_each(|y| f(y, self.among(labels, x, y), self.own(x, y)));
+        }
+        let own = |y: usize| self.own(x, y);
         let mut above = self.across(x, 0);
         let mut here = self.across(x, 1);
         let mut pair: [f32x8; N] = core::array::from_fn(|q| above[q] + here[q]);
@@ -115,6 +119,28 @@ impl<const N: usize> Blocks<N> {
             f(y, core::array::from_fn(|q| pair[q] + next[q]), own(y));
             pair = next;
         }
+    }
+
+    /// The quantities of eight pixels themselves.
+    #[inline(always)]
+    fn own(&self, x: usize, y: usize) -> [f32x8; N] {
+        self.0.each_ref().map(|block| read8(&block[y + 1][x + 1..]))
+    }
+
+    /// Sums over the windows of eight pixels, of those that have their labels.
+    #[inline(always)]
+    fn among(&self, labels: &Block, x: usize, y: usize) -> [f32x8; N] {
+        let label = read8(&labels[y + 1][x + 1..]);
+        let same: [[f32x8; 3]; 3] =
+            core::array::from_fn(|i| core::array::from_fn(|k| read8(&labels[y + i][x + k..]).simd_eq(label)));
+        self.0.each_ref().map(|block| {
+            let [above, here, below] = core::array::from_fn(|i| {
+                let [left, middle, right] =
+                    core::array::from_fn(|k| same[i][k] & read8(&block[y + i][x + k..]));
+                (left + middle) + (middle + right)
+            });
+            (above + here) + (here + below)
+        })
     }
 
     /// Eight sums over three columns, weighted 1, 2, 1, in row `i` of the blocks.

@@ -7,6 +7,7 @@
 //! Graphics 2013, section 4; depth is compared with the plane through p. exp(−d) is approximated by (1 − d/8)⁸, and ends
 //! at 8.
 
+use super::among::{Among, Everyone, Island};
 use super::rows::{MARGIN, Rows};
 use crate::maths::eight::{read8, write8};
 use wide::f32x8;
@@ -83,43 +84,59 @@ pub(super) struct Sources<'a> {
     pub known: Rows<'a>,
     /// What colours are compared by: light in planes 0 to 2, its variance in plane 3.
     pub guide: Rows<'a>,
+    /// Which pixels belong together, if not all do.
+    pub labels: Option<Rows<'a>>,
 }
 
 /// Averages the picture's rows from `first` on, as many as `out` has room for: rows of [`averages`], without margins above.
 pub(super) fn average(from: &Sources<'_>, rule: &Rule, first: usize, out: &mut [f32]) {
-    let grid = from.known.grid;
-    let row = averages::PLANES * grid.stride();
+    let (grid, row) = (from.known.grid, averages::PLANES * from.known.grid.stride());
+    let rows = out.len() / row;
     for x in (0..grid.width).step_by(BLOCK) {
-        let sums = gather(from, rule, x + MARGIN, first + MARGIN);
-        let columns = BLOCK.min(grid.width - x);
-        for (dy, out) in out.chunks_exact_mut(row).enumerate() {
-            for i in (0..columns).step_by(8) {
-                let part = f32x8::ONE / read8(&sums.weight[dy][i..]);
-                let mut put = |plane: usize, value: f32x8| {
-                    let line = &mut out[plane * grid.stride() + MARGIN + x..];
-                    write8(&mut line[i..columns.min(i + 8)], value);
-                };
-                for (c, light) in sums.light.iter().enumerate() {
-                    put(averages::LIGHT + c, read8(&light[dy][i..]) * part);
+        let block = Block { x: x + MARGIN, y: first + MARGIN, rows, columns: BLOCK.min(grid.width - x) };
+        match from.labels {
+            None => average_block(from, rule, &block, Everyone, out),
+            Some(labels) => {
+                let mut last = 0.0;
+                while let Some((label, part)) = block.next_island(&labels, last) {
+                    let out = &mut out[(part.y - block.y) * row..][..part.rows * row];
+                    average_block(from, rule, &part, Island { labels, label }, out);
+                    last = label;
                 }
-                put(averages::OWN_VARIANCE, read8(&sums.variance[dy][i..]) * part * part);
             }
         }
     }
 }
 
-/// Sums over all pixels around those of the block at (`x`, `y`).
-fn gather(from: &Sources<'_>, rule: &Rule, x: usize, y: usize) -> Sums {
+/// Averages the pixels of `among` in a block, over others of the same; `out` begins with the block's first row.
+fn average_block(from: &Sources<'_>, rule: &Rule, block: &Block, among: impl Among, out: &mut [f32]) {
+    let sums = gather(from, rule, block, among);
+    let stride = from.known.grid.stride();
+    for (dy, out) in out.chunks_exact_mut(averages::PLANES * stride).enumerate() {
+        for i in (0..block.columns).step_by(8) {
+            let part = f32x8::ONE / read8(&sums.weight[dy][i..]);
+            let mask = among.mask(block.x + i, block.y + dy);
+            let mut put = |plane: usize, value: f32x8| {
+                let line = &mut out[plane * stride + block.x + i..][..8.min(block.columns - i)];
+                write8(line, mask.select(value, read8(line)));
+            };
+            for (c, light) in sums.light.iter().enumerate() {
+                put(averages::LIGHT + c, read8(&light[dy][i..]) * part);
+            }
+            put(averages::OWN_VARIANCE, read8(&sums.variance[dy][i..]) * part * part);
+        }
+    }
+}
+
+/// Sums over all pixels of `among` around those of the block.
+fn gather(from: &Sources<'_>, rule: &Rule, block: &Block, among: impl Among) -> Sums {
     let zero = [[0.0; BLOCK]; BLOCK_ROWS];
     let mut sums = Sums { light: [zero; 3], weight: zero, variance: zero };
-    let rows = BLOCK_ROWS.min(from.known.grid.height + MARGIN - y);
-    let columns = BLOCK.min(from.known.grid.width + MARGIN - x);
-    let block = Block { x, y, rows, columns };
     let radius = rule.radius as isize;
     for dy in -radius..=radius {
         for dx in -radius..=radius {
             if dx * dx + dy * dy <= (radius + 1) * (radius + 1) {
-                compare(from, rule, &block, (dx, dy), &mut sums);
+                compare(from, rule, block, (dx, dy), among, &mut sums);
             }
         }
     }
@@ -135,13 +152,41 @@ struct Block {
     columns: usize,
 }
 
-/// Adds the pixels that are `(dx, dy)` from those of the block.
-fn compare(from: &Sources<'_>, rule: &Rule, block: &Block, step: (isize, isize), sums: &mut Sums) {
+impl Block {
+    /// The next label after `last` that occurs in the block, and the part of it that does.
+    fn next_island(&self, labels: &Rows<'_>, last: f32) -> Option<(f32, Block)> {
+        let row = |y: usize| &labels.row(0, y)[self.x..self.x + self.columns];
+        let rows = self.y..self.y + self.rows;
+        let all = rows.clone().flat_map(row).filter(|label| **label > last);
+        let label = all.copied().min_by(f32::total_cmp)?;
+        let mut columns = usize::MAX..0;
+        let (mut top, mut end) = (usize::MAX, 0);
+        for (y, x) in rows
+            .flat_map(|y| row(y).iter().enumerate().filter(|(_, l)| **l == label).map(move |(x, _)| (y, x)))
+        {
+            (top, end) = (top.min(y), end.max(y + 1));
+            columns = columns.start.min(x)..columns.end.max(x + 1);
+        }
+        let x = self.x + columns.start;
+        Some((label, Block { x, y: top, rows: end - top, columns: columns.len() }))
+    }
+}
+
+/// Adds the pixels of `among` that are `(dx, dy)` from those of the block.
+fn compare(
+    from: &Sources<'_>,
+    rule: &Rule,
+    block: &Block,
+    step: (isize, isize),
+    among: impl Among,
+    sums: &mut Sums,
+) {
     let patch = rule.patch;
     let mut across = [[0.0f32; BLOCK]; BLOCK_ROWS + 2 * MAX_PATCH];
     for (r, across) in across[..block.rows + 2 * patch].iter_mut().enumerate() {
         let mut line = [0.0f32; WIDE];
-        distances(from, rule, (block.x - patch, block.y + r - patch), step, block.columns, &mut line);
+        let first = (block.x - patch, block.y + r - patch);
+        distances(from, rule, first, step, block.columns, among, &mut line);
         for i in (0..block.columns).step_by(8) {
             let sum = (1..=2 * patch).fold(read8(&line[i..]), |sum, k| sum + read8(&line[i + k..]));
             write8(&mut across[i..], sum);
@@ -157,7 +202,9 @@ fn compare(from: &Sources<'_>, rule: &Rule, block: &Block, step: (isize, isize),
             if colours.simd_ge(f32x8::splat(8.0)).all() {
                 continue;
             }
-            let weight = falloff(colours.fast_max(pixels.features(rule, i)));
+            let there = (block.x + i).wrapping_add_signed(step.0);
+            let mask = among.mask(there, (block.y + r).wrapping_add_signed(step.1));
+            let weight = mask & falloff(colours.fast_max(pixels.features(rule, i)));
             let add = |sum: &mut [f32], value| write8(sum, read8(sum) + value);
             for c in 0..3 {
                 add(&mut sums.light[c][r][i..i + 8], weight * pixels.there(known::LIGHT + c, i));
@@ -169,7 +216,8 @@ fn compare(from: &Sources<'_>, rule: &Rule, block: &Block, step: (isize, isize),
     }
 }
 
-/// Distances of colours between the pixels from `(x, y)` on and those `step` from them, enough for `columns` patches.
+/// Distances of colours between the pixels from `(x, y)` on and those `step` from them, enough for `columns` patches; none
+/// where one of the two is not of `among`, as there would be on average if both were alike.
 #[inline(always)]
 fn distances(
     from: &Sources<'_>,
@@ -177,6 +225,7 @@ fn distances(
     (x, y): (usize, usize),
     step: (isize, isize),
     columns: usize,
+    among: impl Among,
     line: &mut [f32; WIDE],
 ) {
     let guide = &from.guide;
@@ -191,7 +240,8 @@ fn distances(
         };
         let (v, w) = (read8(&p[3][x + i..]), read8(&q[3][qx + i..]));
         let excess = (square(0) + square(1) + square(2)) * third - scale * (v + v.fast_min(w));
-        write8(&mut line[i..], excess / (f32x8::splat(1e-8) + strength * (v + w)));
+        let both = among.mask(x + i, y) & among.mask(qx + i, qy);
+        write8(&mut line[i..], both & (excess / (f32x8::splat(1e-8) + strength * (v + w))));
     }
 }
 

@@ -26,8 +26,10 @@
 //! # }
 //! ```
 
+use super::among;
 use super::average::{self, BLOCK_ROWS, Rule, Sources, averages, known};
 use super::feature::Feature;
+use super::neighbours::{finish, slopes};
 use super::noise;
 use super::rows::{Grid, MARGIN, Rows};
 use crate::maths::colour::luminance;
@@ -60,6 +62,8 @@ pub struct Filter<'a> {
     pass: usize,
     known: &'a mut [f32],
     averages: [&'a mut [f32]; PASSES],
+    /// Which pixels belong together, if not all do.
+    labels: Option<Rows<'a>>,
 }
 
 impl<'a> Filter<'a> {
@@ -72,6 +76,12 @@ impl<'a> Filter<'a> {
         grid.floats(known::PLANES).saturating_add(grid.floats(averages::PLANES).saturating_mul(Self::PASSES))
     }
 
+    /// The same for a film with labels: 26 a pixel.
+    pub fn required_with_labels(width: u32, height: u32) -> usize {
+        let grid = Grid { width: width as usize, height: height as usize };
+        Self::required(width, height).saturating_add(grid.floats(1))
+    }
+
     /// Takes what the film has seen. `features` are as many as pixels, rows from the top, or none.
     ///
     /// # Errors
@@ -82,12 +92,20 @@ impl<'a> Filter<'a> {
         if !features.is_empty() && features.len() != sampler.layout.pixels() {
             return Err(Error::Guide);
         }
-        let needed = Self::required(settings.width, settings.height);
+        let needed = match sampler.planes.label {
+            [] => Self::required(settings.width, settings.height),
+            _ => Self::required_with_labels(settings.width, settings.height),
+        };
         let scratch = scratch.get_mut(..needed).ok_or(Error::Scratch)?;
         let grid = Grid { width: settings.width as usize, height: settings.height as usize };
         let (known, rest) = scratch.split_at_mut(grid.floats(known::PLANES));
-        let (first, second) = rest.split_at_mut(grid.floats(averages::PLANES));
-        let mut filter = Filter { grid, pass: 0, known, averages: [first, second] };
+        let (first, rest) = rest.split_at_mut(grid.floats(averages::PLANES));
+        let (second, rest) = rest.split_at_mut(grid.floats(averages::PLANES));
+        let labels = (!rest.is_empty()).then(|| {
+            among::fill(grid, &sampler.layout, &sampler.planes, rest);
+            Rows { data: rest, planes: 1, grid }
+        });
+        let mut filter = Filter { grid, pass: 0, known, averages: [first, second], labels };
         filter.take(sampler, features);
         Ok(filter)
     }
@@ -106,7 +124,7 @@ impl<'a> Filter<'a> {
             true => out,
             false => &mut out[MARGIN * row..(MARGIN + self.grid.height) * row],
         };
-        let (pass, sources) = (self.pass, Sources { known, guide });
+        let (pass, sources) = (self.pass, Sources { known, guide, labels: self.labels });
         let chunks = inside.chunks_mut(BLOCK_ROWS * row).enumerate();
         chunks.map(move |(i, out)| Band { sources, rule: &RULES[pass], first: i * BLOCK_ROWS, out })
     }
@@ -114,7 +132,8 @@ impl<'a> Filter<'a> {
     /// Ends a pass, when all its bands have been filtered.
     pub fn next(&mut self) {
         if let Some(averages) = self.averages.get_mut(self.pass) {
-            finish(self.grid, averages::PLANES, (averages::OWN_VARIANCE, averages::VARIANCE), averages);
+            let means = (averages::OWN_VARIANCE, averages::VARIANCE);
+            finish(self.grid, averages::PLANES, means, self.labels, averages);
             self.pass += 1;
         }
     }
@@ -139,7 +158,8 @@ impl<'a> Filter<'a> {
                 let albedo = [0, 1, 2].map(|c| value(&known, known::ALBEDO + c));
                 let albedo = Feature { albedo, ..Feature::default() }.divisor();
                 let radiance = [0, 1, 2].map(|c| value(&averages, c) * albedo[c]);
-                *out = darkened(radiance, admitted(&known, albedo, (x, y)), value(&known, known::UNSEEN));
+                let most = admitted(&known, self.labels, albedo, (x, y));
+                *out = darkened(radiance, most, value(&known, known::UNSEEN));
             }
         }
         Ok(())
@@ -186,8 +206,8 @@ impl<'a> Filter<'a> {
             }
         }
         self.measure_noise();
-        finish(grid, known::PLANES, (known::OWN_VARIANCE, known::VARIANCE), self.known);
-        slopes(grid, self.known);
+        finish(grid, known::PLANES, (known::OWN_VARIANCE, known::VARIANCE), self.labels, self.known);
+        slopes(grid, self.labels, self.known);
         grid.reflect(known::PLANES, self.known);
     }
 
@@ -200,7 +220,8 @@ impl<'a> Filter<'a> {
             let own = (y * known::PLANES + known::OWN_VARIANCE) * stride;
             for x in (MARGIN..MARGIN + grid.width).step_by(8) {
                 let variance = &mut self.known[own + x..own + stride];
-                write8(variance, read8(variance) * noise::factors(&gathered, x, y));
+                let factors = noise::factors(&gathered, self.labels, x, y);
+                write8(variance, read8(variance) * factors);
             }
         }
     }
@@ -237,48 +258,20 @@ fn pixel(mean: [f32; 3], variance: f32, count: u32, feature: &Feature) -> [f32; 
     values
 }
 
-/// Fills the margins, and the plane `to` with the means of plane `from` over 3 × 3 pixels.
-fn finish(grid: Grid, planes: usize, (from, to): (usize, usize), data: &mut [f32]) {
-    grid.reflect(planes, data);
-    let stride = grid.stride();
-    let line = |y: usize, plane: usize| (y * planes + plane) * stride;
-    for y in MARGIN..MARGIN + grid.height {
-        for x in MARGIN..MARGIN + grid.width {
-            let row = |y: usize| data[line(y, from) + x - 1..][..3].iter().sum::<f32>();
-            data[line(y, to) + x] = (row(y - 1) + row(y) + row(y + 1)) * (1.0 / 9.0);
-        }
-    }
-    grid.reflect(planes, data);
-}
-
-/// Fills the planes of depth's slopes: to each side, the smaller one, so that edges have none.
-fn slopes(grid: Grid, data: &mut [f32]) {
-    let stride = grid.stride();
-    let line = |y: usize, plane: usize| (y * known::PLANES + plane) * stride;
-    let least = |a: f32, b: f32| if a.abs() < b.abs() { a } else { b };
-    for y in MARGIN..MARGIN + grid.height {
-        for x in MARGIN..MARGIN + grid.width {
-            let depth = |dx: usize, dy: usize| data[line(y + dy - 1, known::DEPTH) + x + dx - 1];
-            let here = depth(1, 1);
-            let right = least(depth(2, 1) - here, here - depth(0, 1));
-            let down = least(depth(1, 2) - here, here - depth(1, 0));
-            data[line(y, known::SLOPE) + x] = right;
-            data[line(y, known::SLOPE + 1) + x] = down;
-        }
-    }
-}
-
 /// The luminance that the samples of a pixel admit, or those of enough of the 3 × 3 pixels around it, all seen with `albedo`.
-fn admitted(known: &Rows<'_>, albedo: [f32; 3], (x, y): (usize, usize)) -> f32 {
+fn admitted(known: &Rows<'_>, labels: Option<Rows<'_>>, albedo: [f32; 3], (x, y): (usize, usize)) -> f32 {
     let shade = luminance(albedo);
     let most = |x: usize, y: usize| {
         let value = |plane: usize| known.row(plane, y)[x];
         let light = luminance([0, 1, 2].map(|c| value(known::LIGHT + c) * albedo[c]));
         light + BRIGHTER * shade * libm::sqrtf(value(known::OWN_VARIANCE))
     };
-    let (x, y) = (x + MARGIN - 1, y + MARGIN - 1);
-    let mut around: [f32; 9] = core::array::from_fn(|i| most(x + i % 3, y + i / 3));
-    let own = around[4];
+    let (x, y) = (x + MARGIN, y + MARGIN);
+    let own = most(x, y);
+    let mut around: [f32; 9] = core::array::from_fn(|i| {
+        let near = (x + i % 3 - 1, y + i / 3 - 1);
+        if among::together(labels, (x, y), near) { most(near.0, near.1) } else { own }
+    });
     around.sort_unstable_by(f32::total_cmp);
     own.max(around[around.len() - WITNESSES]).max(0.0)
 }

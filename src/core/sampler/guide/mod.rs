@@ -3,10 +3,12 @@
 //! [`Sampler::resolve_guided`] takes a picture from anywhere; [`Filter`] makes one of the film itself. Where the film is
 //! gone, [`Pictures`] that were read from it do.
 
+mod among;
 mod average;
 mod feature;
 mod filter;
 pub mod history;
+mod neighbours;
 mod noise;
 mod pictures;
 mod rows;

@@ -62,14 +62,32 @@ pub(super) fn gather(grid: Grid, planes: usize, scratch: &mut [f32]) {
 }
 
 /// Factors of the variances of eight pixels from (`x`, `y`) on, margins counted; `gathered` are planes after [`gather`].
-pub(super) fn factors(gathered: &Rows<'_>, x: usize, y: usize) -> f32x8 {
+pub(super) fn factors(gathered: &Rows<'_>, labels: Option<Rows<'_>>, x: usize, y: usize) -> f32x8 {
     let around = y - RADIUS..=y + RADIUS;
     let sum =
         |plane: usize| around.clone().fold(f32x8::ZERO, |sum, y| sum + read8(&gathered.row(plane, y)[x..]));
-    let (ratio, weight) = (sum(plane::SUMS + plane::RATIO), sum(plane::SUMS + plane::WEIGHT));
+    let [ratio, weight] = match labels {
+        None => [sum(plane::SUMS + plane::RATIO), sum(plane::SUMS + plane::WEIGHT)],
+        Some(labels) => sums_among(gathered, &labels, x, y),
+    };
     let factor = (ratio / weight.fast_max(f32x8::splat(f32::MIN_POSITIVE))).fast_min(f32x8::ONE);
     let factor = (factor * factor.sqrt()).fast_max(f32x8::splat(LEAST));
     weight.simd_gt(f32x8::ZERO).select(factor, f32x8::ONE)
+}
+
+/// Sums of ratios and weights over the pixels of the same label.
+fn sums_among(gathered: &Rows<'_>, labels: &Rows<'_>, x: usize, y: usize) -> [f32x8; 2] {
+    let label = read8(&labels.row(0, y)[x..]);
+    let mut sums = [f32x8::ZERO; 2];
+    for y in y - RADIUS..=y + RADIUS {
+        for x in x - RADIUS..=x + RADIUS {
+            let same = read8(&labels.row(0, y)[x..]).simd_eq(label);
+            for (sum, plane) in sums.iter_mut().zip([plane::RATIO, plane::WEIGHT]) {
+                *sum += same & read8(&gathered.row(plane, y)[x..]);
+            }
+        }
+    }
+    sums
 }
 
 #[cfg(test)]
@@ -91,7 +109,7 @@ mod tests {
             }
         }
         gather(GRID, planes, &mut data);
-        factors(&Rows { data: &data, planes, grid: GRID }, MARGIN + 4, MARGIN + 9).to_array()[0]
+        factors(&Rows { data: &data, planes, grid: GRID }, None, MARGIN + 4, MARGIN + 9).to_array()[0]
     }
 
     /// Independent samples, 16 of which 4 are fair, each ±1 by a hash: the mean of 289 ratios is 1 ± 0.07, less four such
