@@ -4,6 +4,7 @@
 //!
 //! * [`compare`] – speed against error: methods measured against a reference, and the report;
 //! * [`animation`] – frames in a row: what is kept, what a frame learns from those before it, motion, video;
+//! * [`bake`] – lightmaps;
 //! * [`frame`] – one frame: [`Settings`](frame::settings::Settings) in, [`Frame`](frame::render::Frame) out, on all threads;
 //! * [`picture`] – EXR and PNG, errors against a reference, files that appear whole or not at all;
 //! * [`scene`] – a scene on disk becomes the arrays that the core borrows.
@@ -11,6 +12,7 @@
 //! [`error`] is what can go wrong in all of them. The formulas of sampling and shading are in the core.
 
 pub mod animation;
+pub mod bake;
 pub mod compare;
 pub mod error;
 pub mod frame;

@@ -10,6 +10,7 @@ use pmcip::frame::settings::{
     DEFAULT_LIGHT_SAMPLES, DEFAULT_PHOTONS, Estimate, Integrator, MAX_DEPTH, MAX_LIGHT_SAMPLES, MAX_PHOTONS,
     Method, Startup,
 };
+use pmcip::scene::MAX_SIZE;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -34,6 +35,13 @@ pub enum Command {
     /// unbiased samples in every neighbourhood. It keeps the frame's other layers and its settings.
     #[command(verbatim_doc_comment)]
     Guide(Guide),
+    /// Bake the light that falls on a scene's surfaces into a lightmap
+    ///
+    /// Surfaces are laid out anew, whatever texture coordinates they have: beside LIGHTMAP.exr (irradiance, `mask`, `count`)
+    /// and its PNG stands LIGHTMAP.obj, whose texture coordinates belong to it. Only fronts are baked, and nothing that mirrors or
+    /// refracts.
+    #[command(verbatim_doc_comment)]
+    Bake(Bake),
     /// Render a reference: uniform samples, EXR only, with the variance of every pixel
     Reference(Reference),
     /// Measure methods against each other: error against time and samples, as a page, JSON and CSV
@@ -123,6 +131,52 @@ pub struct Guide {
     /// Brightness of the PNG in stops: each doubles it
     #[arg(long, value_name = "EV", allow_hyphen_values = true, value_parser = finite, default_value_t = 0.0)]
     pub exposure: f32,
+    /// Print one JSON object instead of words
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `bake`.
+#[derive(Debug, Args)]
+pub struct Bake {
+    /// Scene file (.toml) or bare .obj
+    pub scene: PathBuf,
+    /// EXR file to write, with a PNG and an OBJ beside it
+    #[arg(short, long, value_name = "LIGHTMAP.exr", value_parser = exr_path)]
+    pub output: PathBuf,
+    /// Texels a side [default: 1024, or with --texels-per-unit as many as that takes]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SIZE)))]
+    pub size: Option<u32>,
+    /// Texels per scene unit [default: as many as fit]
+    #[arg(long, value_name = "T", value_parser = positive, allow_negative_numbers = true)]
+    pub texels_per_unit: Option<f32>,
+    /// Samples per texel in use, on average [default: the scene's, or 64]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub spp: Option<u32>,
+    /// Where samples go: adaptive (pmc), everywhere the same (uniform), or as first published (paper)
+    #[arg(long, value_enum, default_value = "pmc")]
+    pub sampler: Method,
+    /// How samples become texels [default: guided for pmc, else pooled]
+    #[arg(long, value_enum)]
+    pub estimator: Option<Estimate>,
+    /// Longest path in segments, counted as if the texel were seen: 2 is direct light only [default: the scene's, or 8]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_DEPTH)))]
+    pub max_depth: Option<u32>,
+    /// Number that picks the random points: the same seed makes the same lightmap
+    #[arg(long, value_name = "N", default_value_t = 0, allow_negative_numbers = true)]
+    pub seed: u32,
+    /// Threads to work with [default: all]
+    #[arg(long, value_name = "N", value_parser = threads)]
+    pub threads: Option<usize>,
+    /// Also render what the scene's camera sees, lit by the lightmap and beside it by the path tracer, to LIGHTMAP.check.png
+    #[arg(long)]
+    pub check: bool,
+    /// Brightness of PNGs in stops: each doubles it [default: the scene's, or 0]
+    #[arg(long, value_name = "EV", allow_hyphen_values = true, value_parser = finite)]
+    pub exposure: Option<f32>,
+    /// Print nothing but errors
+    #[arg(long)]
+    pub quiet: bool,
     /// Print one JSON object instead of words
     #[arg(long)]
     pub json: bool,

@@ -1,6 +1,7 @@
 //! The program's own: arguments, one file a command, what they print.
 
 pub mod arguments;
+mod bake;
 mod common;
 mod compare;
 mod error;
@@ -25,6 +26,7 @@ pub fn run(command: Command) -> Result<(), Failure> {
             Some(range) => frames::render_frames(&arguments, range),
             None => render::render_frame(&arguments),
         },
+        Command::Bake(arguments) => bake::bake_lightmap(&arguments),
         Command::Guide(arguments) => guide::guide_picture(&arguments),
         Command::Reference(arguments) => reference::render_reference(&arguments),
         Command::Compare(arguments) => compare::compare_methods(&arguments),

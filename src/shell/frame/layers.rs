@@ -89,7 +89,7 @@ fn colours(film: &Sampler<'_>, estimator: Estimator) -> Result<Vec<Vec<f32>>, Er
 ///
 /// # Errors
 /// [`Error::Setting`] if the film has not accumulated for it, [`Error::Work`] if memory is lacking.
-pub(super) fn resolve(film: &Sampler<'_>, estimator: Estimator, rgb: &mut [[f32; 3]]) -> Result<(), Error> {
+pub(crate) fn resolve(film: &Sampler<'_>, estimator: Estimator, rgb: &mut [[f32; 3]]) -> Result<(), Error> {
     let mut scratch = zeros(Sampler::resolve_scratch(film.settings().width, film.settings().height))?;
     film.resolve(estimator, &mut scratch, rgb.as_flattened_mut()).map_err(Error::setting)
 }

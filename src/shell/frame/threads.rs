@@ -9,6 +9,7 @@ use pmcip_core::tracer::camera::Camera;
 use pmcip_core::tracer::scene::Scene;
 use pmcip_core::tracer::shade::direct::{DirectLighting, Samples};
 use pmcip_core::tracer::shade::gather::{Gather, Maps};
+use pmcip_core::tracer::shade::irradiance::{Irradiance, Unwrapped};
 use pmcip_core::tracer::shade::path::{Packet, PathTracer, Traffic};
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -18,14 +19,14 @@ use std::sync::Mutex;
 const BATCHES: usize = 256;
 
 /// Threads for `threads`; none for a single one, which is the caller's.
-pub(super) fn start_threads(threads: Option<usize>) -> Result<Option<ThreadPool>, Error> {
+pub(crate) fn start_threads(threads: Option<usize>) -> Result<Option<ThreadPool>, Error> {
     let build = || ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build();
     let pool = (threads != Some(1)).then(build).transpose();
     pool.map_err(|error| Error::Work(format!("cannot start threads: {error}")))
 }
 
 /// Works on all parts, on all threads of `pool`, on the caller's if there is none.
-pub(super) fn each<T: Send>(pool: Option<&ThreadPool>, parts: Vec<T>, work: impl Fn(T) + Send + Sync) {
+pub(crate) fn each<T: Send>(pool: Option<&ThreadPool>, parts: Vec<T>, work: impl Fn(T) + Send + Sync) {
     match pool {
         Some(pool) => pool.install(|| parts.into_par_iter().for_each(work)),
         None => parts.into_iter().for_each(work),
@@ -33,7 +34,7 @@ pub(super) fn each<T: Send>(pool: Option<&ThreadPool>, parts: Vec<T>, work: impl
 }
 
 /// Threads, each with what it needs to trace paths.
-pub(super) struct Crew<'a> {
+pub(crate) struct Crew<'a> {
     scene: Scene<'a>,
     camera: Camera,
     integrator: Integrator,
@@ -80,15 +81,33 @@ impl<'a> Crew<'a> {
     /// Renders all jobs of an iteration.
     pub fn work(&self, jobs: Jobs<'_>, progress: &(dyn Fn(u64) + Sync)) {
         let jobs = Mutex::new(jobs);
+        self.all(|worker| self.work_as(worker, &jobs, progress));
+    }
+
+    /// Renders all jobs of an iteration of a lightmap.
+    pub fn bake(&self, jobs: Jobs<'_>, plane: &(impl Unwrapped + Sync), progress: &(dyn Fn(u64) + Sync)) {
+        let jobs = Mutex::new(jobs);
+        self.all(|Worker { packets, batches, radiance, .. }| {
+            let Ok(mut work) = Workspace::new(batches, radiance) else { return };
+            drain(
+                &jobs,
+                &mut Irradiance::new(self.scene, plane, self.max_depth, packets),
+                &mut work,
+                progress,
+            );
+        });
+    }
+
+    /// Works as all workers at once.
+    fn all(&self, work: impl Fn(&mut Worker) + Sync) {
         match &self.pool {
-            Some(pool) => drop(pool.broadcast(|thread| self.work_as(thread.index(), &jobs, progress))),
-            None => self.work_as(0, &jobs, progress),
+            Some(pool) => drop(pool.broadcast(|thread| work(&mut lock(&self.workers[thread.index()])))),
+            None => work(&mut lock(&self.workers[0])),
         }
     }
 
-    /// Renders jobs as worker number `index` until none is left.
-    fn work_as(&self, index: usize, jobs: &Mutex<Jobs<'_>>, progress: &(dyn Fn(u64) + Sync)) {
-        let worker = &mut *lock(&self.workers[index]);
+    /// Renders jobs as one of the workers until none is left.
+    fn work_as(&self, worker: &mut Worker, jobs: &Mutex<Jobs<'_>>, progress: &(dyn Fn(u64) + Sync)) {
         let Ok(mut work) = Workspace::new(&mut worker.batches, &mut worker.radiance) else { return };
         let (scene, camera, depth, memory) = (self.scene, self.camera, self.max_depth, &mut worker.packets);
         let traffic = match self.integrator {

@@ -1,6 +1,7 @@
 //! What the surface is like where eight rays meet it.
 
 use super::fetch;
+use super::site::Sites;
 use crate::maths::vec3::Vec3x8;
 use crate::tracer::scene::{NO_TEXTURE, Scattering, Scene, SceneData, Texture};
 use crate::tracer::trace::{Hits8, MISS, Rays8};
@@ -68,6 +69,25 @@ impl SurfacePoints {
             ior: material.ior,
             emission: material.emission,
             clearance: largest([a, b, c]) * f32x8::splat(CLEARANCE),
+        }
+    }
+
+    /// White, diffuse points of surfaces that are looked at from the front, along their normals.
+    pub fn white(sites: &Sites) -> Self {
+        let (none, one) = (Vec3x8::default(), f32x8::ONE);
+        SurfacePoints {
+            hit: f32x8::ZERO.simd_eq(f32x8::ZERO),
+            position: sites.position,
+            facing: sites.facing,
+            normal: sites.normal,
+            cosine: one,
+            scattering: u32x8::splat(Scattering::Rough as u32),
+            diffuse: Vec3x8::splat([1.0; 3]),
+            specular: none,
+            roughness: one,
+            ior: one,
+            emission: none,
+            clearance: sites.reach * f32x8::splat(CLEARANCE),
         }
     }
 

@@ -6,6 +6,7 @@
 //! * `vertex` – what happens where a path meets a surface;
 //! * `queue`, `shadow` – packets of paths and of shadow rays, kept full;
 //! * [`path`] – the path tracer; [`direct`] – direct lighting alone;
+//! * [`irradiance`] – what surfaces receive, for lightmaps; `site` – where;
 //! * [`features`] – what is seen without light;
 //! * [`shoot`], [`gather`] – photons from the lights, and the integrator that looks them up.
 
@@ -14,11 +15,13 @@ pub mod features;
 mod fetch;
 pub mod gather;
 mod hit;
+pub mod irradiance;
 mod light;
 pub mod path;
 mod queue;
 mod rough;
 mod shadow;
 pub mod shoot;
+mod site;
 mod specular;
 mod vertex;

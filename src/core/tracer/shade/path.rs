@@ -43,7 +43,8 @@ pub struct Traffic {
 /// The path tracer. Implements [`Integrand`].
 pub struct PathTracer<'a> {
     pub(super) tracer: Tracer<'a>,
-    camera: Camera,
+    /// None where paths start elsewhere.
+    camera: Option<Camera>,
     pub(super) max_depth: u32,
     pub(super) queue: Queue<'a>,
     pub(super) shadows: Shadows,
@@ -62,9 +63,14 @@ impl<'a> PathTracer<'a> {
     /// `memory` is scratch: [`required`](Self::required) says how much. With less than needed for one packet
     /// nothing is traced and all radiance is NaN, which the film rejects and counts.
     pub fn new(scene: Scene<'a>, camera: Camera, max_depth: u32, memory: &'a mut [Packet]) -> Self {
+        PathTracer { camera: Some(camera), ..PathTracer::blind(scene, max_depth, memory) }
+    }
+
+    /// A path tracer for paths that do not start at a camera.
+    pub(super) fn blind(scene: Scene<'a>, max_depth: u32, memory: &'a mut [Packet]) -> Self {
         PathTracer {
             tracer: Tracer::new(scene),
-            camera,
+            camera: None,
             max_depth,
             queue: Queue::new(memory),
             shadows: Shadows::default(),
@@ -78,22 +84,12 @@ impl<'a> PathTracer<'a> {
     }
 
     /// Fills the queue with the primary rays of `batches`.
-    pub(super) fn start(&mut self, batches: &[Batch8]) {
+    fn start(&mut self, batches: &[Batch8]) {
+        let Some(camera) = self.camera else { return };
         self.queue.clear();
         for (number, batch) in batches.iter().enumerate() {
-            let slot = u32x8::splat(8 * number as u32) + u32x8::new([0, 1, 2, 3, 4, 5, 6, 7]);
-            self.queue.start(&Paths {
-                origin: Vec3x8::splat(self.camera.origin()),
-                direction: self.camera.directions(batch.x, batch.y),
-                throughput: Vec3x8::splat([1.0; 3]),
-                density: f32x8::splat(f32::INFINITY),
-                compression: f32x8::ONE,
-                normal: u32x8::ZERO,
-                index: batch.index,
-                key: batch.key,
-                slot,
-                lanes: batch.lanes.clamp(1, 8),
-            });
+            let (x, y) = (batch.x, batch.y);
+            self.queue.start(&begin(batch, number, Vec3x8::splat(camera.origin()), camera.directions(x, y)));
         }
     }
 
@@ -172,10 +168,32 @@ impl<'a> PathTracer<'a> {
     }
 }
 
+/// Paths of batch `number` of a stream that have met nothing yet.
+pub(super) fn begin(batch: &Batch8, number: usize, origin: Vec3x8, direction: Vec3x8) -> Paths {
+    Paths {
+        origin,
+        direction,
+        throughput: Vec3x8::splat([1.0; 3]),
+        density: f32x8::splat(f32::INFINITY),
+        compression: f32x8::ONE,
+        normal: u32x8::ZERO,
+        index: batch.index,
+        key: batch.key,
+        slot: u32x8::splat(8 * number as u32) + u32x8::new([0, 1, 2, 3, 4, 5, 6, 7]),
+        lanes: batch.lanes.clamp(1, 8),
+    }
+}
+
 /// An integrator that follows paths bounce by bounce, with a path tracer's queue and shadow rays.
 pub(super) trait Wavefront<'a> {
     /// The path tracer it works with.
     fn paths(&mut self) -> &mut PathTracer<'a>;
+
+    /// Fills the queue with the first rays of `batches`; returns the depth that they are of.
+    fn start(&mut self, batches: &[Batch8], _radiance: &mut [Rgb8]) -> u32 {
+        self.paths().start(batches);
+        1
+    }
 
     /// Takes one packet through one bounce.
     fn bounce(&mut self, paths: &Paths, depth: u32, radiance: &mut [Rgb8]);
@@ -194,8 +212,8 @@ pub(super) fn stream<'a>(integrator: &mut impl Wavefront<'a>, batches: &[Batch8]
     }
     for (batches, radiance) in batches.chunks(capacity).zip(radiance.chunks_mut(capacity)) {
         radiance.fill(Rgb8::default());
-        integrator.paths().start(batches);
-        for depth in 1..=integrator.paths().max_depth {
+        let first = integrator.start(batches, radiance);
+        for depth in first..=integrator.paths().max_depth {
             for i in 0..integrator.paths().queue.len() {
                 let paths = integrator.paths().queue.packet(i);
                 integrator.bounce(&paths, depth, radiance);

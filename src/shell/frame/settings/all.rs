@@ -78,7 +78,7 @@ impl Settings {
     }
 
     /// Samples a pixel of the first iteration.
-    pub(super) fn pilot(&self) -> u32 {
+    pub(crate) fn pilot(&self) -> u32 {
         let part = self.spp / self.iterations.max(1);
         match self.method {
             Method::Pmc => part.max(1),
