@@ -200,7 +200,11 @@ fn arrows_in_the_core_point_down() {
 
 #[test]
 fn arrows_in_the_shell_point_down() {
-    check("pmcip", "src/shell", &["command", "compare", "animation", "frame", "picture", "scene", "error"]);
+    check(
+        "pmcip",
+        "src/shell",
+        &["command", "compare", "animation", "film", "frame", "picture", "scene", "error"],
+    );
 }
 
 /// What CONTRIBUTING.md says of where things are.
