@@ -65,8 +65,8 @@ pub unsafe extern "C" fn pmcip_settings_new(
     settings: *mut PmcipSettings,
 ) -> PmcipStatus {
     // SAFETY: the caller's promise.
-    run(|| {
-        *unsafe { place(settings) }? = Settings::new(width, height).for_frame(pilot, spp).into();
+    run(|| unsafe {
+        *place(settings)? = Settings::new(width, height).for_frame(pilot, spp).into();
         Ok(())
     })
 }
@@ -176,6 +176,7 @@ pub unsafe extern "C" fn pmcip_film_begin_alpha(
 /// # Safety
 /// Pointers are NULL or point to as much as is said.
 #[unsafe(no_mangle)]
+#[expect(clippy::too_many_arguments, reason = "C has no slices")]
 pub unsafe extern "C" fn pmcip_film_plan(
     film: *mut Film,
     first: usize,
