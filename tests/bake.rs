@@ -56,12 +56,15 @@ fn irradiance_is_that_of_the_form_factor() {
     let baked = lightmap(&scene, &atlas, Method::Uniform, Estimator::Pooled, (256, 1));
     let mut seen = 0;
     for (triangle, flat) in scene.triangles.iter().zip(&atlas.corners) {
-        let (Some(flat), true) = (flat, triangle.corners.iter().all(|corner| corner[1] == 0.0)) else { continue };
+        let (Some(flat), true) = (flat, triangle.corners.iter().all(|corner| corner[1] == 0.0)) else {
+            continue;
+        };
         for i in 1..8 {
             for k in 1..8 - i {
                 let weights = [f64::from(i) / 8.0, f64::from(k) / 8.0, 1.0 - f64::from(i + k) / 8.0];
                 let at = [0, 1].map(|c| (0..3).map(|n| weights[n] as f32 * flat[n][c]).sum());
-                let place = [0, 2].map(|c| (0..3).map(|n| weights[n] * f64::from(triangle.corners[n][c])).sum());
+                let place =
+                    [0, 2].map(|c| (0..3).map(|n| weights[n] * f64::from(triangle.corners[n][c])).sum());
                 let (value, truth) = (f64::from(baked.at(at)[0]), truth(place[0], place[1]));
                 assert!((value / truth - 1.0).abs() < 0.01, "{place:?}: {value} for {truth}");
                 seen += 1;
@@ -94,7 +97,8 @@ fn every_island_has_its_own_energy() {
         .collect();
     assert!(atlas.charts() >= 15, "{}", atlas.charts());
     for label in 1..=atlas.charts() as u16 {
-        let ratios: Vec<f64> = runs.iter().map(|(guided, uniform)| guided[&label] / uniform[&label] - 1.0).collect();
+        let ratios: Vec<f64> =
+            runs.iter().map(|(guided, uniform)| guided[&label] / uniform[&label] - 1.0).collect();
         let mean = ratios.iter().sum::<f64>() / 8.0;
         let error = (ratios.iter().map(|r| (r - mean).powi(2)).sum::<f64>() / 7.0 / 8.0).sqrt();
         assert!(mean.abs() < 4.0 * error + 1e-4, "island {label}: {mean} ± {error}");
@@ -109,7 +113,13 @@ fn what_winds_on_itself_is_divided() {
     for i in 0..=steps {
         let angle = 4.0 * std::f32::consts::PI * i as f32 / steps as f32;
         let height = 0.05 * i as f32;
-        obj += &format!("v {} {height} {}\nv {} {height} {}\n", angle.cos(), -angle.sin(), 2.0 * angle.cos(), -2.0 * angle.sin());
+        obj += &format!(
+            "v {} {height} {}\nv {} {height} {}\n",
+            angle.cos(),
+            -angle.sin(),
+            2.0 * angle.cos(),
+            -2.0 * angle.sin()
+        );
     }
     for i in 0..steps {
         let [a, b, c, d] = [2 * i + 1, 2 * i + 2, 2 * i + 4, 2 * i + 3];
@@ -150,5 +160,10 @@ fn the_command_writes_lightmap_preview_mesh_and_check() {
     let mesh = fs::read_to_string(folder.path().join("l.obj")).unwrap();
     assert_eq!(mesh.lines().filter(|line| line.starts_with("f ")).count(), 4);
     let picture = pmcip::picture::frame_io::read_exr(&folder.path().join("l.exr")).unwrap();
-    assert!(picture.planes["mask"].iter().zip(&picture.planes["count"]).all(|(mask, count)| (*mask > 0.0) == (*count > 0.0)));
+    assert!(
+        picture.planes["mask"]
+            .iter()
+            .zip(&picture.planes["count"])
+            .all(|(mask, count)| (*mask > 0.0) == (*count > 0.0))
+    );
 }

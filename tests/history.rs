@@ -148,13 +148,13 @@ fn the_past_is_fetched_between_pixels_of_one_surface() {
     let mut out = [Past::NONE; 4];
     let now = [wall(1.0, 5.0); 4];
     let positions = [[1.0, 0.5], [1.9, 0.5], [2.5, 0.5], [f32::NAN, 0.5]];
-    carry(&before, 4, &positions, &now, &mut out).unwrap();
+    carry(&before, 4, &positions, &now, &[], &mut out).unwrap();
     assert_eq!(out[0].light, [2.0; 3]);
     // The right neighbour is another wall: what is left has weight 0.6 and counts alone.
     assert_eq!(out[1].light, [3.0; 3]);
     assert_eq!([out[2].variance, out[3].variance], [f32::INFINITY; 2]);
-    assert_eq!(carry(&before, 3, &positions, &now, &mut out), Err(Error::Guide));
-    assert_eq!(carry(&before, 4, &positions, &now, &mut out[1..]), Err(Error::Output));
+    assert_eq!(carry(&before, 3, &positions, &now, &[], &mut out), Err(Error::Guide));
+    assert_eq!(carry(&before, 4, &positions, &now, &[], &mut out[1..]), Err(Error::Output));
 }
 
 /// Whatever past and present are, the blend is finite, and where there is no past it is the present.
@@ -172,8 +172,14 @@ fn any_past_blends_to_what_is_finite() {
         .map(|i| Past { light: [value(i), value(2 * i), 1.0], variance: value(i + 4), feature: features[i] })
         .collect();
     for carried in [vec![Past::NONE; pixels], wild] {
-        let blend =
-            Blend { width, filtered: &filtered, variance: &variance, features: &features, carried: &carried };
+        let blend = Blend {
+            width,
+            filtered: &filtered,
+            variance: &variance,
+            features: &features,
+            carried: &carried,
+            labels: &[],
+        };
         let (mut work, mut kept, mut out) =
             (vec![[0.0; 2]; pixels], vec![Past::NONE; pixels], vec![[0.0; 3]; pixels]);
         blend.run(&mut work, &mut kept, &mut out).unwrap();

@@ -3,6 +3,7 @@
 use pmcip_core::predict::{Belief, Prior};
 use pmcip_core::sampler::batch::{Batch8, Integrand, Rgb8};
 use pmcip_core::sampler::estimate::Estimator;
+use pmcip_core::sampler::guide::history::{Blend, Past, carry};
 use pmcip_core::sampler::guide::{Feature, Filter};
 use pmcip_core::sampler::{Error, Memory, Mode, Sampler, Schedule, Settings, Workspace};
 use proptest::prelude::*;
@@ -299,4 +300,45 @@ fn a_given_kernel_counts_from_the_first_iteration_on() {
         sampler.begin_predicted(pixels as u64, Prior::Alpha(&vec![0.0; pixels])).unwrap();
         iterate(&mut sampler, pixels as u64, &mut integrand);
     }
+}
+
+/// What another island has shown is not carried over, and does not say that this one has changed.
+#[test]
+fn history_stays_on_its_island() {
+    let (width, labels) = (8, [1u16, 1, 1, 1, 2, 2, 2, 2]);
+    let feature = Feature { albedo: [1.0; 3], normal: [0.0, 0.0, 1.0], depth: 1.0 };
+    let past = |label: u16| Past { light: [f32::from(label); 3], variance: 1.0, feature };
+    let before = labels.map(past);
+    let positions: Vec<[f32; 2]> = (0..8).map(|x| [x as f32 + 0.9, 0.5]).collect();
+    let mut carried = [Past::NONE; 8];
+    carry(&before, width, &positions, &[feature; 8], &labels, &mut carried).unwrap();
+    assert_eq!((carried[3].light, carried[4].light), ([1.0; 3], [2.0; 3]));
+    carry(&before, width, &positions, &[feature; 8], &[], &mut carried).unwrap();
+    assert!(carried[3].light[0] > 1.2, "the control does not cross");
+    let blended = |second: f32, labels: &[u16]| {
+        let filtered = side_by_side(second);
+        let (variance, features) = ([1.0; 8], [feature; 8]);
+        let blend = Blend {
+            width,
+            filtered: &filtered,
+            variance: &variance,
+            features: &features,
+            carried: &before,
+            labels,
+        };
+        let (mut work, mut kept, mut out) = ([[0.0; 2]; 8], [Past::NONE; 8], [[0.0; 3]; 8]);
+        blend.run(&mut work, &mut kept, &mut out).unwrap();
+        out[3]
+    };
+    assert_eq!(blended(2.0, &labels), blended(900.0, &labels));
+    assert_ne!(blended(2.0, &[]), blended(900.0, &[]), "the control does not cross");
+    assert_eq!(
+        carry(&before, width, &positions, &[feature; 8], &labels[1..], &mut carried),
+        Err(Error::Labels)
+    );
+}
+
+/// An island of light 1.5 beside one of `second`.
+fn side_by_side(second: f32) -> [[f32; 3]; 8] {
+    std::array::from_fn(|x| [if x < 4 { 1.5 } else { second }; 3])
 }

@@ -113,10 +113,10 @@ fuzz_target!(|input: Input| {
     let before: Vec<Past> = (0..pixels).map(|_| past(&mut any)).collect();
     let positions: Vec<[f32; 2]> = (0..pixels).map(|_| [any.one(), any.one()]).collect();
     let (mut carried, mut kept) = (vec![Past::NONE; pixels], vec![Past::NONE; pixels]);
-    carry(&before, size[0] as usize, &positions, &features, &mut carried).expect("right lengths");
+    carry(&before, size[0] as usize, &positions, &features, &[], &mut carried).expect("right lengths");
     for carried in [&carried, &before] {
         let (width, features) = (size[0] as usize, &features[..]);
-        let blend = Blend { width, filtered: &guide, variance: &variance, features, carried };
+        let blend = Blend { width, filtered: &guide, variance: &variance, features, carried, labels: &[] };
         let (mut work, mut out) = (vec![[0.0; 2]; pixels], guide.clone());
         blend.run(&mut work, &mut kept, &mut out).expect("right lengths");
         check_energy(&film, &out);

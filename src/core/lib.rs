@@ -47,13 +47,15 @@
 //!
 //! # The smallest embedding
 //!
-//! `examples/analytic.rs` samples a formula on stack memory; the [`sampler`] page shows the loop.
+//! [`embedding`] shows how to put this under a renderer of tiles, a wavefront and a lightmapper. `examples/analytic.rs` samples a formula on stack memory; the [`sampler`] page shows the loop.
 #![no_std]
 #![forbid(unsafe_code)]
 
 /// The crate whose packets cross the border: an embedder needs the same version.
 pub use wide;
 
+#[doc = include_str!("embedding.md")]
+pub mod embedding {}
 pub mod maths;
 pub mod predict;
 pub mod sampler;

@@ -4,7 +4,11 @@
 //!
 //! * [`compare`] – speed against error: methods measured against a reference, and the report;
 //! * [`animation`] – frames in a row: what is kept, what a frame learns from those before it, motion, video;
+<<<<<<< HEAD
 //! * [`bake`] – lightmaps;
+=======
+//! * [`film`] – the sampler with memory of its own, for programs that bring a renderer;
+>>>>>>> embed
 //! * [`frame`] – one frame: [`Settings`](frame::settings::Settings) in, [`Frame`](frame::render::Frame) out, on all threads;
 //! * [`picture`] – EXR and PNG, errors against a reference, files that appear whole or not at all;
 //! * [`scene`] – a scene on disk becomes the arrays that the core borrows.
@@ -15,6 +19,9 @@ pub mod animation;
 pub mod bake;
 pub mod compare;
 pub mod error;
+pub mod film;
 pub mod frame;
 pub mod picture;
 pub mod scene;
+
+pub use film::Film;

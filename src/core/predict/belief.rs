@@ -1,6 +1,7 @@
 //! What is believed of a pixel before a frame has seen it.
 
 /// What is believed of a pixel.
+#[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Belief {
     /// Variance of a sample's luminance, scene units squared.

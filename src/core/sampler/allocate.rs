@@ -15,8 +15,7 @@
 use crate::maths::eight::{read8, write8};
 use wide::f32x8;
 
-mod open;
-pub(crate) use open::{CLOSED, allocate_open};
+pub(crate) mod open;
 
 /// Most fractional bits of an expected count, and bits of the offset.
 pub const FRACTION_BITS: u32 = 32;

@@ -3,6 +3,7 @@
 //! The sampler fills [`Batch8`]s, an [`Integrand`] answers each with an [`Rgb8`]. Nothing else crosses the
 //! border, so a path tracer, a lightmap baker and an analytic test function are all the same to the core.
 
+use crate::maths::eight::write8;
 use crate::maths::sobol;
 use wide::{f32x8, u32x8};
 
@@ -45,7 +46,7 @@ pub struct Rgb8 {
     pub b: f32x8,
 }
 
-/// A renderer, seen from the sampler: a function of image-plane samples.
+/// A renderer, seen from the sampler: a function of image-plane samples. A closure `FnMut(&Batch8) -> Rgb8` is one.
 ///
 /// Implement [`radiance`](Self::radiance); override [`stream`](Self::stream) where many samples at once can
 /// be worked on better than eight (a path tracer that refills its lanes, for example).
@@ -60,5 +61,48 @@ pub trait Integrand {
         for (batch, out) in batches.iter().zip(radiance) {
             *out = self.radiance(batch);
         }
+    }
+}
+
+impl<F: FnMut(&Batch8) -> Rgb8 + ?Sized> Integrand for F {
+    fn radiance(&mut self, batch: &Batch8) -> Rgb8 {
+        self(batch)
+    }
+}
+
+/// Arrays lent for samples; the shortest says how many.
+#[derive(Debug)]
+pub struct Wave<'w> {
+    /// Horizontal film positions in pixels, growing to the right.
+    pub x: &'w mut [f32],
+    /// Vertical film positions in pixels, growing downwards.
+    pub y: &'w mut [f32],
+    /// Numbers of the samples in their pixels' sequences.
+    pub index: &'w mut [u32],
+    /// Keys of the pixels' sequences.
+    pub key: &'w mut [u32],
+}
+
+impl Wave<'_> {
+    pub(super) fn len(&self) -> usize {
+        self.x.len().min(self.y.len()).min(self.index.len()).min(self.key.len())
+    }
+}
+
+/// Writes the points of set `set` of the samples named by `index` and `key`, coordinates in `[0, 1)`, as many as the shortest
+/// slice has.
+pub fn points(set: u32, index: &[u32], key: &[u32], u: &mut [f32], v: &mut [f32]) {
+    let eight = |from: &[u32]| {
+        let mut lanes = [0; 8];
+        lanes.iter_mut().zip(from).for_each(|(lane, value)| *lane = *value);
+        u32x8::from(lanes)
+    };
+    let names = index.chunks(8).zip(key.chunks(8));
+    for ((index, key), (u, v)) in names.zip(u.chunks_mut(8).zip(v.chunks_mut(8))) {
+        let length = index.len().min(key.len());
+        let (x, y) = sobol::point(eight(index), eight(key), set);
+        let (across, down) = (u.len().min(length), v.len().min(length));
+        write8(&mut u[..across], x);
+        write8(&mut v[..down], y);
     }
 }

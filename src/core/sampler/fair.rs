@@ -31,6 +31,16 @@ impl Fair {
         Fair { count: count.max(given).max(1), promised: u64::from(given) << FRACTION_BITS }
     }
 
+    /// Both numbers, and back: fair samples of a pixel and how many are promised.
+    pub fn parts(self) -> (u32, u64) {
+        (self.count, self.promised)
+    }
+
+    /// See [`parts`](Self::parts).
+    pub fn of(count: u32, promised: u64) -> Fair {
+        Fair { count, promised }
+    }
+
     /// Fair samples of a pixel that has that many.
     pub fn count(self) -> u32 {
         self.count

@@ -2,11 +2,13 @@
 
 use super::fair::Fair;
 use super::settings::{Error, Sequence};
+use crate::maths::eight::{read_rgb8, write8};
 use crate::maths::sobol::{self, PixelKeys};
-use crate::sampler::batch::{Batch8, Integrand, MAX_RADIANCE, Rgb8};
+use crate::sampler::batch::{Batch8, Integrand, MAX_RADIANCE, Rgb8, Wave};
 use crate::sampler::estimate::Estimator;
 use crate::sampler::film::arrivals::{Arrivals, GROUP, Sums, samples};
 use crate::sampler::film::{Layout, Planes, Tile};
+use core::ops::Range;
 use wide::{f32x4, f32x8, u32x8};
 
 /// Samples a job has at least, the last one of an iteration excepted.
@@ -131,7 +133,7 @@ impl<'a> Iterator for Jobs<'a> {
         let rest = core::mem::replace(&mut self.rest, Planes::empty());
         let (planes, rest) = rest.split_at(pixels);
         self.rest = rest;
-        Some(Job::new(planes, self.context, first, samples))
+        Some(Job::new(planes, self.context, (first, 0, 0), samples))
     }
 }
 
@@ -143,6 +145,7 @@ impl<'a> Iterator for Jobs<'a> {
 pub struct Job<'a> {
     planes: Planes<'a>,
     context: Context,
+    first_tile: u32,
     samples: u64,
     filled: u64,
     accepted: u64,
@@ -178,13 +181,21 @@ struct Place {
 }
 
 impl<'a> Job<'a> {
-    fn new(planes: Planes<'a>, context: Context, tile_number: u32, samples: u64) -> Self {
+    /// A job of pixels that follow each other, the first of which is at a [place](Layout::place).
+    pub(super) fn new(
+        planes: Planes<'a>,
+        context: Context,
+        (tile_number, dx, dy): (u32, u32, u32),
+        samples: u64,
+    ) -> Self {
         let tile = context.layout.tile(tile_number);
         let (planned, index) = (planes.planned[0], context.index(planes.drawn[0]));
-        let next = Place { pixel: 0, number: 0, planned, tile, tile_number, dx: 0, dy: 0, index };
+        let next = Place { pixel: 0, number: 0, planned, tile, tile_number, dx, dy, index };
         let last = Accepting { pixel: 0, left: 0, fair_end: 0, sums: Sums::default(), rejected: 0 };
         let arrivals = Arrivals::NONE;
-        let mut job = Job { planes, context, samples, filled: 0, accepted: 0, next, last, arrivals };
+        let first_tile = tile_number;
+        let mut job =
+            Job { planes, context, first_tile, samples, filled: 0, accepted: 0, next, last, arrivals };
         job.last = job.accepting(0, 0);
         job
     }
@@ -202,8 +213,29 @@ impl<'a> Job<'a> {
         self.samples
     }
 
-    /// Takes all samples.
-    pub fn render(&mut self, integrand: &mut impl Integrand, work: &mut Workspace<'_>) -> Tally {
+    /// The tiles whose pixels it has, by their [numbers](Layout::tile): other ones in every job, rising from job to job.
+    pub fn tiles(&self) -> Range<u32> {
+        let (mut end, mut pixels) = (self.first_tile, 0);
+        while pixels < self.planes.count.len() {
+            pixels += self.context.layout.tile(end).pixels();
+            end += 1;
+        }
+        self.first_tile..end
+    }
+
+    /// Columns and rows of the smallest rectangle that holds all its pixels.
+    pub fn bounds(&self) -> (Range<u32>, Range<u32>) {
+        let none = (u32::MAX..0, u32::MAX..0);
+        self.tiles().map(|t| self.context.layout.tile(t)).fold(none, |(columns, rows), tile| {
+            (
+                columns.start.min(tile.x0)..columns.end.max(tile.x0 + tile.width),
+                rows.start.min(tile.y0)..rows.end.max(tile.y0 + tile.height),
+            )
+        })
+    }
+
+    /// Takes all samples. The integrand can be a closure, or a `&mut dyn Integrand`.
+    pub fn render(&mut self, integrand: &mut (impl Integrand + ?Sized), work: &mut Workspace<'_>) -> Tally {
         let room = work.batches.len().min(work.radiance.len());
         loop {
             let used = self.fill(&mut work.batches[..room]);
@@ -222,13 +254,12 @@ impl<'a> Job<'a> {
         let left = (self.samples - self.filled).div_ceil(8);
         let used = batches.len().min(usize::try_from(left).unwrap_or(usize::MAX));
         for batch in &mut batches[..used] {
-            *batch = self.fill_one();
+            *batch = self.fill_lanes((self.samples - self.filled).min(8) as usize);
         }
         used
     }
 
-    fn fill_one(&mut self) -> Batch8 {
-        let lanes = (self.samples - self.filled).min(8) as usize;
+    fn fill_lanes(&mut self, lanes: usize) -> Batch8 {
         let (mut index, mut place) = ([0; 8], [0; 8]);
         let mut lane = 0;
         while lane < lanes {
@@ -268,6 +299,44 @@ impl<'a> Job<'a> {
         next.index = self.context.index(self.planes.drawn[next.pixel]);
     }
 
+    /// Writes the next samples into flat arrays, as many as fit, and returns how many: as [`fill`](Self::fill), for
+    /// [`deliver`](Self::deliver). A job is driven by one of the two pairs.
+    pub fn plan(&mut self, wave: &mut Wave<'_>) -> usize {
+        let left = usize::try_from(self.samples - self.filled).unwrap_or(usize::MAX);
+        let (room, mut at) = (wave.len().min(left), 0);
+        while at < room {
+            let lanes = (room - at).min(8);
+            let batch = self.fill_lanes(lanes);
+            let (index, key) = (batch.index.to_array(), batch.key.to_array());
+            write8(&mut wave.x[at..at + lanes], batch.x);
+            write8(&mut wave.y[at..at + lanes], batch.y);
+            wave.index[at..at + lanes].copy_from_slice(&index[..lanes]);
+            wave.key[at..at + lanes].copy_from_slice(&key[..lanes]);
+            at += lanes;
+        }
+        room
+    }
+
+    /// Takes the radiances of the next of the samples that [`plan`](Self::plan) has written, in the same order; superfluous
+    /// ones are ignored.
+    pub fn deliver(&mut self, radiance: &[[f32; 3]]) {
+        let due = usize::try_from(self.filled - self.accepted).unwrap_or(usize::MAX);
+        for rgb in radiance[..due.min(radiance.len())].chunks(8) {
+            let [r, g, b] = read_rgb8(rgb);
+            let eight = Rgb8 { r, g, b };
+            self.accept_batch(&samples(&eight)[..rgb.len()], usable(&eight));
+            self.accepted += rgb.len() as u64;
+        }
+        self.finish();
+    }
+
+    /// What becomes of a new job if `radiance` are those of all its samples.
+    pub(super) fn delivered(mut self, radiance: &[[f32; 3]]) -> Tally {
+        self.filled = self.samples;
+        self.deliver(radiance);
+        self.tally()
+    }
+
     /// Takes the radiances of the samples handed out, in the same order; superfluous ones are ignored.
     pub fn accept(&mut self, radiance: &[Rgb8]) {
         for rgb in radiance {
@@ -275,6 +344,11 @@ impl<'a> Job<'a> {
             self.accept_batch(&samples(rgb)[..lanes], usable(rgb));
             self.accepted += lanes as u64;
         }
+        self.finish();
+    }
+
+    /// Lets the last pixels into the film, if all samples have been accepted.
+    fn finish(&mut self) {
         if self.accepted == self.samples {
             self.merge_before((self.last.pixel / GROUP + 1) * GROUP);
         }

@@ -37,8 +37,9 @@
 
 use crate::maths::sobol::{PixelKeys, frame_key, hash};
 use crate::predict::{Belief, Prior};
-use crate::sampler::allocate::{CLOSED, Known, Mixture, allocate_known, allocate_open};
-use crate::sampler::estimate::{Estimator, Lanes};
+use crate::sampler::allocate::open::{CLOSED, allocate_open};
+use crate::sampler::allocate::{Known, Mixture, allocate_known};
+use crate::sampler::estimate::Lanes;
 use crate::sampler::film::{FLOATS, Layout, Planes, WORDS};
 use crate::sampler::kernel::UNKNOWN;
 use fair::Fair;
@@ -53,6 +54,9 @@ mod job;
 pub mod kernel;
 mod schedule;
 mod settings;
+pub mod state;
+pub mod wave;
+pub use crate::sampler::estimate::Estimator;
 pub use batch::MAX_RADIANCE;
 pub use job::{Job, Jobs, Tally, Workspace};
 pub use schedule::Schedule;
@@ -363,18 +367,32 @@ impl<'a> Sampler<'a> {
     }
 
     /// The jobs of the running iteration, as far as their samples are not in the film yet; none if none is running.
+    ///
+    /// Each begins where the last one ends. Who wants flat arrays instead, or radiances that come back later, sees [`wave`].
     pub fn jobs(&mut self) -> Jobs<'_> {
-        let context = job::Context {
+        let context = self.context();
+        let tiles = if self.running > 0 { self.layout.tiles() } else { 0 };
+        Jobs { rest: self.planes.reborrow(), context, next_tile: 0, tiles }
+    }
+
+    /// [`jobs`](Self::jobs) that last as long as the memory, for who [resumes](Self::resume) the sampler when they are done.
+    pub fn into_jobs(self) -> Jobs<'a> {
+        let context = self.context();
+        let tiles = if self.running > 0 { self.layout.tiles() } else { 0 };
+        Jobs { rest: self.planes, context, next_tile: 0, tiles }
+    }
+
+    /// What the jobs of the running iteration have in common.
+    fn context(&self) -> job::Context {
+        job::Context {
             layout: self.layout,
             keys: PixelKeys::new(self.settings.seed, self.settings.frame),
             iteration: hash(self.iteration),
             sequence: self.settings.sequence,
             fair: self.fair,
             estimator: self.settings.estimator,
-            share: self.running as f32 / (self.samples + self.running).max(1) as f32,
-        };
-        let tiles = if self.running > 0 { self.layout.tiles() } else { 0 };
-        Jobs { rest: self.planes.reborrow(), context, next_tile: 0, tiles }
+            share: self.running as f32 / self.samples.saturating_add(self.running).max(1) as f32,
+        }
     }
 
     /// Ends the iteration and returns what has been sampled since the first one.
@@ -389,11 +407,11 @@ impl<'a> Sampler<'a> {
         if self.planes.planned.iter().any(|n| *n > 0) {
             return Err(Error::Unfinished);
         }
-        self.samples += self.running;
+        self.samples = self.samples.saturating_add(self.running);
         let samples = self.planes.count.iter().map(|n| u64::from(*n)).sum::<u64>();
-        self.iteration += 1;
+        self.iteration = self.iteration.saturating_add(1);
         self.running = 0;
-        Ok(Tally { samples, rejected: self.samples - samples })
+        Ok(Tally { samples, rejected: self.samples.saturating_sub(samples) })
     }
 
     /// Length of the scratch [`resolve`](Self::resolve) needs.

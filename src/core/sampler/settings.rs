@@ -196,6 +196,12 @@ pub enum Error {
     Estimator,
     /// Scratch is shorter than [`Sampler::resolve_scratch`](super::Sampler::resolve_scratch) says.
     Scratch,
+    /// Arrays of a wavefront have no room for the samples of a single pixel.
+    Wave,
+    /// A piece that was delivered already, is of another iteration, or comes with another number of radiances.
+    Piece,
+    /// Bytes that are not a saved film of this version, or damaged.
+    Saved,
     /// Labels have not the length of the picture, or all are 0.
     Labels,
     /// A prediction has not the length of the picture.
@@ -226,6 +232,13 @@ impl core::fmt::Display for Error {
             Error::Running => "an iteration is running: end it before the film is read",
             Error::Estimator => "the film accumulates for another estimator: set Settings::estimator",
             Error::Scratch => "scratch is too short: lend as much as Sampler::resolve_scratch says",
+            Error::Wave => {
+                "no room for the samples of one pixel: lend arrays as long as the iteration has samples"
+            }
+            Error::Piece => {
+                "a piece is delivered once, in its iteration, with a radiance for each of its samples"
+            }
+            Error::Saved => "not a saved film of this version, or damaged",
             Error::Labels => "labels must have one entry a pixel, and one must not be 0",
             Error::Prior => "a prediction must have one entry a pixel",
             Error::Guide => "a guided picture needs a guide, and that and its features one entry a pixel",

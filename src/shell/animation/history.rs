@@ -43,7 +43,7 @@ impl History {
         let mut carried = zeros(pixels)?;
         carried.fill(Past::NONE);
         if self.past.len() == pixels && positions.len() == pixels {
-            carry(&self.past, width, positions, filtered.features, &mut carried).map_err(Error::work)?;
+            carry(&self.past, width, positions, filtered.features, &[], &mut carried).map_err(Error::work)?;
         }
         if self.past.len() != pixels {
             self.past = zeros(pixels)?;
@@ -55,6 +55,7 @@ impl History {
             variance: &filtered.variance,
             features: filtered.features,
             carried: &carried,
+            labels: &[],
         };
         blend.run(&mut work, &mut self.past, &mut out).map_err(Error::work)?;
         filtered.rgb = out;

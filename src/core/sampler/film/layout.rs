@@ -94,6 +94,20 @@ impl Layout {
         tile + ((y - y0) * width + (x - x0)) as usize
     }
 
+    /// Where pixel `i` of the storage is: tile number, column and row in the tile. `i` must be less than
+    /// [`pixels`](Self::pixels).
+    pub fn place(&self, i: usize) -> (u32, u32, u32) {
+        let (side, width) = (TILE as usize, self.width as usize);
+        let row = i / (side * width);
+        let height = side.min(self.height as usize - row * side);
+        let inside = i - row * side * width;
+        let column = inside / (side * height);
+        let across = side.min(width - column * side);
+        let inside = inside - column * side * height;
+        let tile = row as u32 * self.width.div_ceil(TILE) + column as u32;
+        (tile, (inside % across) as u32, (inside / across) as u32)
+    }
+
     /// Calls `f(storage, raster)` for every tile row: a run of storage indices and where it starts in raster order.
     pub fn for_each_run(&self, mut f: impl FnMut(Range<usize>, usize)) {
         for tile in (0..self.tiles()).map(|t| self.tile(t)) {
@@ -118,6 +132,8 @@ mod tests {
                 assert_eq!(tile.first, next);
                 for (dy, dx) in (0..tile.height).flat_map(|y| (0..tile.width).map(move |x| (y, x))) {
                     assert_eq!(layout.index(tile.x0 + dx, tile.y0 + dy), next);
+                    let (t, x, y) = layout.place(next);
+                    assert_eq!((layout.tile(t), x, y), (tile, dx, dy));
                     next += 1;
                 }
             }

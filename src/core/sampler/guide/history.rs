@@ -68,7 +68,8 @@ impl Past {
 /// Fetches for every pixel, which shows what `now` says, what was kept `before` at its position then.
 ///
 /// `positions` are in pixels from the upper left corner, not numbers where a pixel was hidden. Of the four pixels around a
-/// position those count that show the same surface. Rows of `width` pixels from the top.
+/// position those count that show the same surface. Rows of `width` pixels from the top. `labels` say which pixels belong
+/// together, in both frames; none if all do.
 ///
 /// # Errors
 /// [`Error::Guide`] if slices differ in length or are not whole rows, [`Error::Output`] if `out` is of another length.
@@ -77,6 +78,7 @@ pub fn carry(
     width: usize,
     positions: &[[f32; 2]],
     now: &[Feature],
+    labels: &[u16],
     out: &mut [Past],
 ) -> Result<(), Error> {
     let pixels = before.len();
@@ -86,28 +88,39 @@ pub fn carry(
     if out.len() != pixels {
         return Err(Error::Output);
     }
-    for ((out, position), now) in out.iter_mut().zip(positions).zip(now) {
-        *out = fetch(before, width, *position, &now.limited());
+    if !labels.is_empty() && labels.len() != pixels {
+        return Err(Error::Labels);
+    }
+    for (i, ((out, position), now)) in out.iter_mut().zip(positions).zip(now).enumerate() {
+        let together = |tap: usize| labels.get(tap) == labels.get(i);
+        *out = fetch(before, width, *position, &now.limited(), together);
     }
     Ok(())
 }
 
-/// What was kept at a position.
-fn fetch(before: &[Past], width: usize, [x, y]: [f32; 2], now: &Feature) -> Past {
+/// What was kept at a position, by the pixels around it that belong `together` with what is asked for.
+fn fetch(
+    before: &[Past],
+    width: usize,
+    [x, y]: [f32; 2],
+    now: &Feature,
+    together: impl Fn(usize) -> bool,
+) -> Past {
     let height = before.len() / width;
     if !(x >= 0.0 && y >= 0.0 && x < width as f32 && y < height as f32) {
         return Past::NONE;
     }
-    let at = |x: usize, y: usize| &before[y.min(height - 1) * width + x.min(width - 1)];
-    let nearest = at(x as usize, y as usize).feature.depth;
+    let at = |x: usize, y: usize| y.min(height - 1) * width + x.min(width - 1);
+    let nearest = before[at(x as usize, y as usize)].feature.depth;
     let (x, y) = ((x - 0.5).max(0.0), (y - 0.5).max(0.0));
     let (left, top) = (x as usize, y as usize);
     let (u, v) = (x - left as f32, y - top as f32);
     let taps = [(0, 0, (1.0 - u) * (1.0 - v)), (1, 0, u * (1.0 - v)), (0, 1, (1.0 - u) * v), (1, 1, u * v)];
     let (mut sum, mut weight) = (Past::default(), 0.0);
     for (dx, dy, part) in taps {
-        let tap = at(left + dx, top + dy);
-        let near = (tap.feature.depth - nearest).abs() <= DEPTH * nearest.abs();
+        let i = at(left + dx, top + dy);
+        let tap = &before[i];
+        let near = together(i) && (tap.feature.depth - nearest).abs() <= DEPTH * nearest.abs();
         if part > 0.0 && tap.known() && near && square(tap.feature.normal, now.normal) < NORMAL {
             weight += part;
             sum.variance += part * tap.variance;
@@ -142,6 +155,8 @@ pub struct Blend<'a> {
     pub features: &'a [Feature],
     /// What [`carry`] has fetched.
     pub carried: &'a [Past],
+    /// Which pixels belong together; none if all do.
+    pub labels: &'a [u16],
 }
 
 impl Blend<'_> {
@@ -158,6 +173,9 @@ impl Blend<'_> {
         if [work.len(), kept.len(), out.len()] != [pixels; 3] {
             return Err(Error::Output);
         }
+        if !self.labels.is_empty() && self.labels.len() != pixels {
+            return Err(Error::Labels);
+        }
         for (i, (kept, work)) in kept.iter_mut().zip(&mut *work).enumerate() {
             *kept = self.present(i);
             *work = compared(kept, &self.carried[i]);
@@ -166,11 +184,21 @@ impl Blend<'_> {
             *out = self.filtered[i];
             if self.carried[i].known() {
                 let albedo = kept.feature.divisor();
-                *kept = merged(kept, &self.carried[i], around(work, self.width, i));
+                *kept = merged(kept, &self.carried[i], self.around(work, i));
                 *out = [0, 1, 2].map(|c| kept.light[c] * albedo[c]);
             }
         }
         Ok(())
+    }
+
+    /// Sums over the window around pixel `i`, as far as it is in the picture and belongs to the same label.
+    fn around(&self, of: &[[f32; 2]], i: usize) -> [f32; 2] {
+        let (x, y) = (i % self.width, i / self.width);
+        let rows = y.saturating_sub(WINDOW)..(y + WINDOW + 1).min(of.len() / self.width);
+        let columns = x.saturating_sub(WINDOW)..self.width.min(x + WINDOW + 1);
+        let all = rows.flat_map(|y| columns.clone().map(move |x| y * self.width + x));
+        let all = all.filter(|near| self.labels.get(*near) == self.labels.get(i));
+        all.map(|near| of[near]).fold([0.0; 2], |sum, v| [sum[0] + v[0], sum[1] + v[1]])
     }
 
     /// What this frame says of a pixel.
@@ -209,13 +237,4 @@ fn merged(now: &Past, past: &Past, [gaps, pixels]: [f32; 2]) -> Past {
 /// Difference of luminances.
 fn gap(now: &Past, past: &Past) -> f32 {
     luminance([0, 1, 2].map(|c| past.light[c] - now.light[c]))
-}
-
-/// Sums over the window around pixel `i`, as far as it is in the picture.
-fn around(of: &[[f32; 2]], width: usize, i: usize) -> [f32; 2] {
-    let (x, y) = (i % width, i / width);
-    let rows = of.chunks_exact(width).skip(y.saturating_sub(WINDOW)).take(WINDOW + 1 + y.min(WINDOW));
-    let columns = x.saturating_sub(WINDOW)..width.min(x + WINDOW + 1);
-    let all = rows.flat_map(|row| &row[columns.clone()]);
-    all.fold([0.0; 2], |sum, v| [sum[0] + v[0], sum[1] + v[1]])
 }
