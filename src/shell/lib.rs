@@ -4,11 +4,8 @@
 //!
 //! * [`compare`] – speed against error: methods measured against a reference, and the report;
 //! * [`animation`] – frames in a row: what is kept, what a frame learns from those before it, motion, video;
-<<<<<<< HEAD
 //! * [`bake`] – lightmaps;
-=======
 //! * [`film`] – the sampler with memory of its own, for programs that bring a renderer;
->>>>>>> embed
 //! * [`frame`] – one frame: [`Settings`](frame::settings::Settings) in, [`Frame`](frame::render::Frame) out, on all threads;
 //! * [`picture`] – EXR and PNG, errors against a reference, files that appear whole or not at all;
 //! * [`scene`] – a scene on disk becomes the arrays that the core borrows.

@@ -123,7 +123,7 @@ fn main() -> Result<(), Error> {
         wall(x, y).map_or(Feature::default(), known)
     };
     let features: Vec<Feature> = texels().map(feature).collect();
-    let mut scratch = vec![0.0; Filter::required(SIZE, SIZE)];
+    let mut scratch = vec![0.0; Filter::required_by(&sampler)];
     let mut filter = Filter::new(&sampler, &features, &mut scratch)?;
     for _ in 0..Filter::PASSES {
         filter.bands().for_each(|mut band| band.filter());

@@ -50,7 +50,7 @@ fn filtered<'a>(
     pool: Option<&ThreadPool>,
 ) -> Result<Filtered<'a>, Error> {
     let size = (film.settings().width, film.settings().height);
-    let mut scratch = zeros(Filter::required(size.0, size.1))?;
+    let mut scratch = zeros(Filter::required_by(film))?;
     let mut filter = Filter::new(film, features, &mut scratch).map_err(Error::setting)?;
     for _ in 0..Filter::PASSES {
         each(pool, filter.bands().collect(), |mut band: Band<'_>| band.filter());

@@ -82,6 +82,15 @@ impl<'a> Filter<'a> {
         Self::required(width, height).saturating_add(grid.floats(1))
     }
 
+    /// What a filter of this film needs, with labels or without.
+    pub fn required_by(sampler: &Sampler<'_>) -> usize {
+        let settings = sampler.settings();
+        match sampler.planes.label {
+            [] => Self::required(settings.width, settings.height),
+            _ => Self::required_with_labels(settings.width, settings.height),
+        }
+    }
+
     /// Takes what the film has seen. `features` are as many as pixels, rows from the top, or none.
     ///
     /// # Errors
@@ -92,11 +101,7 @@ impl<'a> Filter<'a> {
         if !features.is_empty() && features.len() != sampler.layout.pixels() {
             return Err(Error::Guide);
         }
-        let needed = match sampler.planes.label {
-            [] => Self::required(settings.width, settings.height),
-            _ => Self::required_with_labels(settings.width, settings.height),
-        };
-        let scratch = scratch.get_mut(..needed).ok_or(Error::Scratch)?;
+        let scratch = scratch.get_mut(..Self::required_by(sampler)).ok_or(Error::Scratch)?;
         let grid = Grid { width: settings.width as usize, height: settings.height as usize };
         let (known, rest) = scratch.split_at_mut(grid.floats(known::PLANES));
         let (first, rest) = rest.split_at_mut(grid.floats(averages::PLANES));
