@@ -3,8 +3,11 @@
 //! Arrays of the library's go to numpy as they are, and numpy's are read where they are if they are contiguous. While the
 //! library works, other Python threads run.
 
-use numpy::ndarray::Dimension;
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray, PyReadonlyArray1};
+use numpy::ndarray::{Dimension, IxDyn};
+use numpy::{
+    Element, IntoPyArray, PyArray1, PyArray2, PyArray3, PyArrayMethods, PyReadonlyArray, PyReadonlyArray1,
+    PyUntypedArrayMethods,
+};
 use pmcip::Film as Owned;
 use pmcip::error::Error;
 use pmcip_core::predict::Prior;
@@ -34,22 +37,29 @@ fn estimator(name: &str) -> PyResult<Estimator> {
     }
 }
 
-/// Floats of an array of any shape, `number` of them, where they are.
-fn floats<'a, D: Dimension>(
-    array: &'a PyReadonlyArray<'_, f32, D>,
-    number: usize,
+/// The entries of an array, row by row, where they are.
+fn entries<'a, T: Element, D: Dimension>(
+    array: &'a PyReadonlyArray<'_, T, D>,
     what: &str,
-) -> PyResult<&'a [f32]> {
-    let slice = array.as_slice().map_err(|_| PyValueError::new_err(format!("{what} must be contiguous")))?;
-    match slice.len() == number {
-        true => Ok(slice),
-        false => {
-            Err(PyValueError::new_err(format!("{what} must have {number} numbers, not {}", slice.len())))
-        }
+) -> PyResult<&'a [T]> {
+    let entries = array.as_slice().ok().filter(|_| array.is_c_contiguous());
+    entries.ok_or_else(|| PyValueError::new_err(format!("{what} must be contiguous, row by row")))
+}
+
+/// Floats of an array that are `number` times `channels`, the last dimension, if that is more than one.
+fn floats<'a>(array: &'a Any<'_>, number: usize, channels: usize, what: &str) -> PyResult<&'a [f32]> {
+    let floats = entries(array, what)?;
+    let shaped = channels == 1 || array.shape().last() == Some(&channels);
+    match shaped && floats.len() == number * channels {
+        true => Ok(floats),
+        false => Err(PyValueError::new_err(format!(
+            "{what} must have {number} entries of {channels} numbers, not the shape {:?}",
+            array.shape()
+        ))),
     }
 }
 
-type Any<'py> = PyReadonlyArray<'py, f32, numpy::ndarray::IxDyn>;
+type Any<'py> = PyReadonlyArray<'py, f32, IxDyn>;
 
 /// Samples of an iteration.
 #[pyclass(frozen, module = "pmcip")]
@@ -94,8 +104,7 @@ fn points<'py>(
     index: PyReadonlyArray1<'py, u32>,
     key: PyReadonlyArray1<'py, u32>,
 ) -> PyResult<(Bound<'py, PyArray1<f32>>, Bound<'py, PyArray1<f32>>)> {
-    let contiguous = |_| PyValueError::new_err("index and key must be contiguous");
-    let (index, key) = (index.as_slice().map_err(contiguous)?, key.as_slice().map_err(contiguous)?);
+    let (index, key) = (entries(&index, "index")?, entries(&key, "key")?);
     let (mut u, mut v) = (vec![0.0; index.len()], vec![0.0; index.len()]);
     py.detach(|| wave::points(set, index, key, &mut u, &mut v));
     Ok((u.into_pyarray(py), v.into_pyarray(py)))
@@ -114,11 +123,7 @@ impl Film {
         rgb.into_flattened().into_pyarray(py).reshape([self.height, self.width, 3])
     }
 
-    fn plane<'py, T: numpy::Element>(
-        &self,
-        py: Python<'py>,
-        plane: Vec<T>,
-    ) -> PyResult<Bound<'py, PyArray2<T>>> {
+    fn plane<'py, T: Element>(&self, py: Python<'py>, plane: Vec<T>) -> PyResult<Bound<'py, PyArray2<T>>> {
         plane.into_pyarray(py).reshape([self.height, self.width])
     }
 
@@ -137,7 +142,7 @@ impl Film {
         height: u32,
         spp: u32,
         pilot: u32,
-        labels: Option<PyReadonlyArray<'_, u16, numpy::ndarray::IxDyn>>,
+        labels: Option<PyReadonlyArray<'_, u16, IxDyn>>,
         seed: u32,
         frame: u32,
         cd_per_unit: f32,
@@ -160,11 +165,7 @@ impl Film {
         .for_frame(pilot, spp);
         let film = match &labels {
             None => Owned::new(settings),
-            Some(labels) => {
-                let labels =
-                    labels.as_slice().map_err(|_| PyValueError::new_err("labels must be contiguous"))?;
-                Owned::with_labels(settings, labels)
-            }
+            Some(labels) => Owned::with_labels(settings, entries(labels, "labels")?),
         };
         Ok(Film { film: film.map_err(refused)?, width: width as usize, height: height as usize })
     }
@@ -198,7 +199,7 @@ impl Film {
 
     #[pyo3(signature = (samples, alpha=None))]
     fn begin(&mut self, py: Python<'_>, samples: u64, alpha: Option<Any<'_>>) -> PyResult<()> {
-        let alpha = alpha.as_ref().map(|alpha| floats(alpha, self.area(), "alpha")).transpose()?;
+        let alpha = alpha.as_ref().map(|alpha| floats(alpha, self.area(), 1, "alpha")).transpose()?;
         let prior = alpha.map_or(Prior::Beliefs(&[]), Prior::Alpha);
         py.detach(|| self.film.begin_predicted(samples, prior)).map_err(refused)
     }
@@ -216,7 +217,7 @@ impl Film {
     }
 
     fn deliver(&mut self, py: Python<'_>, plan: &Plan, rgb: Any<'_>) -> PyResult<()> {
-        let (rgb, _) = floats(&rgb, 3 * plan.piece.samples, "rgb")?.as_chunks::<3>();
+        let (rgb, _) = floats(&rgb, plan.piece.samples, 3, "rgb")?.as_chunks::<3>();
         py.detach(|| self.film.deliver(plan.piece, rgb)).map_err(refused)?;
         Ok(())
     }
@@ -273,10 +274,10 @@ impl Film {
     ) -> PyResult<Bound<'py, PyArray3<f32>>> {
         let area = self.area();
         let three = |array: &'_ Option<Any<'py>>, what| -> PyResult<Vec<[f32; 3]>> {
-            array.as_ref().map_or(Ok(vec![]), |a| Ok(floats(a, 3 * area, what)?.as_chunks::<3>().0.to_vec()))
+            array.as_ref().map_or(Ok(vec![]), |a| Ok(floats(a, area, 3, what)?.as_chunks::<3>().0.to_vec()))
         };
         let (albedo, normal) = (three(&albedo, "albedo")?, three(&normal, "normal")?);
-        let depth = depth.as_ref().map_or(Ok(&[][..]), |depth| floats(depth, area, "depth"))?;
+        let depth = depth.as_ref().map_or(Ok(&[][..]), |depth| floats(depth, area, 1, "depth"))?;
         let feature = |i: usize| Feature {
             albedo: albedo.get(i).copied().unwrap_or([1.0; 3]),
             normal: normal.get(i).copied().unwrap_or_default(),
@@ -292,7 +293,7 @@ impl Film {
         py: Python<'py>,
         guide: Any<'py>,
     ) -> PyResult<Bound<'py, PyArray3<f32>>> {
-        let (guide, _) = floats(&guide, 3 * self.area(), "guide")?.as_chunks::<3>();
+        let (guide, _) = floats(&guide, self.area(), 3, "guide")?.as_chunks::<3>();
         let rgb = py.detach(|| self.film.resolve_guided(guide)).map_err(refused)?;
         self.picture(py, rgb)
     }

@@ -58,6 +58,8 @@ def test_arrays_are_not_copied():
     assert len(plan) == 128 and np.floor(plan.x).max() == 7
     with pytest.raises(ValueError, match="contiguous"):
         film.deliver(plan, np.zeros((3, 128), np.float32).T)
+    with pytest.raises(ValueError, match="128 entries"):
+        film.deliver(plan, np.zeros((3, 128), np.float32))
 
 
 def test_labels_keep_islands_apart():
@@ -95,7 +97,7 @@ def test_misuse_is_refused():
         film.plan()
     film.begin(100)
     plan = film.plan()
-    with pytest.raises(ValueError, match="300 numbers"):
+    with pytest.raises(ValueError, match="100 entries"):
         film.deliver(plan, np.zeros((99, 3), np.float32))
     film.deliver(plan, np.zeros((100, 3), np.float32))
     with pytest.raises(ValueError, match="delivered once"):
