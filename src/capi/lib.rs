@@ -96,9 +96,9 @@ pub unsafe extern "C" fn pmcip_film_create(
         // SAFETY: the caller's promise.
         let settings = unsafe { settings.as_ref() }.ok_or(PmcipStatus::Pointer)?.settings()?;
         let pixels = settings.width as usize * settings.height as usize;
-        // SAFETY: the caller's promise.
         let labels = match labels.is_null() {
             true => None,
+            // SAFETY: the caller's promise.
             false => Some(unsafe { lent(labels, pixels) }?),
         };
         let make = |memory: Memory<'static>| match labels {
@@ -176,7 +176,6 @@ pub unsafe extern "C" fn pmcip_film_begin_alpha(
 /// # Safety
 /// Pointers are NULL or point to as much as is said.
 #[unsafe(no_mangle)]
-#[expect(clippy::too_many_arguments, reason = "C has no slices")]
 pub unsafe extern "C" fn pmcip_film_plan(
     film: *mut Film,
     first: usize,

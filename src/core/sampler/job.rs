@@ -225,13 +225,16 @@ impl<'a> Job<'a> {
 
     /// Columns and rows of the smallest rectangle that holds all its pixels.
     pub fn bounds(&self) -> (Range<u32>, Range<u32>) {
-        let none = (u32::MAX..0, u32::MAX..0);
-        self.tiles().map(|t| self.context.layout.tile(t)).fold(none, |(columns, rows), tile| {
-            (
-                columns.start.min(tile.x0)..columns.end.max(tile.x0 + tile.width),
-                rows.start.min(tile.y0)..rows.end.max(tile.y0 + tile.height),
-            )
-        })
+        let nothing = Range { start: u32::MAX, end: 0 };
+        self.tiles().map(|t| self.context.layout.tile(t)).fold(
+            (nothing.clone(), nothing),
+            |(columns, rows), tile| {
+                (
+                    columns.start.min(tile.x0)..columns.end.max(tile.x0 + tile.width),
+                    rows.start.min(tile.y0)..rows.end.max(tile.y0 + tile.height),
+                )
+            },
+        )
     }
 
     /// Takes all samples. The integrand can be a closure, or a `&mut dyn Integrand`.

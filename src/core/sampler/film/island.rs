@@ -61,7 +61,8 @@ impl<'a> Island<'a> {
 /// The tiles in which a label occurs.
 fn region(layout: &Layout, labels: &[u32], label: u32) -> Region {
     let across = layout.width().div_ceil(TILE);
-    let mut region = Region { columns: u32::MAX..0, rows: u32::MAX..0 };
+    let nothing = Range { start: u32::MAX, end: 0 };
+    let mut region = Region { columns: nothing.clone(), rows: nothing };
     for t in 0..layout.tiles() {
         let tile = layout.tile(t);
         if labels[tile.first..tile.first + tile.pixels()].contains(&label) {

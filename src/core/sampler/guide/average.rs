@@ -10,6 +10,7 @@
 use super::among::{Among, Everyone, Island};
 use super::rows::{MARGIN, Rows};
 use crate::maths::eight::{read8, write8};
+use core::ops::Range;
 use wide::f32x8;
 
 /// Rows of a block.
@@ -159,7 +160,7 @@ impl Block {
         let rows = self.y..self.y + self.rows;
         let all = rows.clone().flat_map(row).filter(|label| **label > last);
         let label = all.copied().min_by(f32::total_cmp)?;
-        let mut columns = usize::MAX..0;
+        let mut columns = Range { start: usize::MAX, end: 0 };
         let (mut top, mut end) = (usize::MAX, 0);
         for (y, x) in rows
             .flat_map(|y| row(y).iter().enumerate().filter(|(_, l)| **l == label).map(move |(x, _)| (y, x)))
