@@ -41,7 +41,7 @@ fn render_writes_both_files_and_says_so() {
     let picture = read_exr(&room.path().join("room.exr")).unwrap();
     assert_eq!((picture.width, picture.height), (24, 16));
     assert_eq!(picture.planes["count"].iter().sum::<f32>(), 24.0 * 16.0 * 4.0);
-    assert!((picture.planes["alpha"].iter().sum::<f32>() - 1.0).abs() < 1e-4);
+    assert!((picture.planes["kernel.weight"].iter().sum::<f32>() - 1.0).abs() < 1e-4);
     assert!(picture.rgb.iter().any(|rgb| rgb[0] > 0.1));
     assert_eq!(picture.attributes["seed"], "0");
     assert_eq!(picture.attributes["look_from"], "0.0,0.0,5.0");
@@ -238,7 +238,7 @@ fn a_camera_that_sees_no_light_is_named() {
     let room = room();
     let path = room.path();
     fs::write(path.join("cube.obj"), CUBE_AND_LAMP).unwrap();
-    let inside = "render cube.obj --size 8x8 --spp 1 --look-from 0,0,0 --look-at 0,0,1";
+    let inside = "render cube.obj --light own --size 8x8 --spp 1 --look-from 0,0,0 --look-at 0,0,1";
     failure(path, inside, 2, "the camera at 0,0,0 is inside a wall");
     let away = "render cube.obj --size 8x8 --spp 1 --look-from 0,0,5 --look-at 0,0,9";
     let Output { status, stderr, .. } = pmcip(path, away);

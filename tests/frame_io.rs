@@ -12,7 +12,7 @@ fn picture() -> Picture {
     let (width, height) = (37, 19);
     let pixels = width * height;
     let plane = |scale: f32| (0..pixels).map(|i| i as f32 * scale).collect::<Vec<f32>>();
-    let names = ["variance", "count", "alpha"];
+    let names = ["variance", "count", "kernel.weight"];
     let settings = ["seed", "spp", "estimator", "gamma", "scene", "cd_per_unit", "max_depth"];
     Picture {
         width,

@@ -116,6 +116,47 @@ fn frames_made_otherwise_are_not_lost() {
     assert_ne!(before, bytes(path, "walk.0002.exr"));
     fs::write(path.join("walk.0001.exr"), "no picture").unwrap();
     failure(path, "render walk.toml --frames 1", 2, "walk.0001.exr is another frame");
+    success(path, "render walk.toml --frames 1 --overwrite");
+    assert_eq!(read_exr(&path.join("walk.0001.exr")).unwrap().width, 24);
+}
+
+#[test]
+fn damaged_frames_are_rendered_again() {
+    let room = room();
+    let path = room.path();
+    success(path, "render walk.toml --frames 1..2");
+    let whole = bytes(path, "walk.0002.exr");
+    // In the head, in the pixels, and nothing at all.
+    for length in [40, whole.len() - 20, 0] {
+        for overwrite in ["", " --overwrite"] {
+            fs::write(path.join("walk.0002.exr"), &whole[..length]).unwrap();
+            assert_eq!(success(path, "render walk.toml --frames 1..2 --missing").trim(), "2");
+            success(path, &format!("render walk.toml --frames 1..2{overwrite}"));
+            assert!(whole == bytes(path, "walk.0002.exr"), "{length}{overwrite}");
+        }
+    }
+}
+
+#[test]
+fn frames_may_be_listed_and_those_missing_asked_for() {
+    let room = room();
+    let path = room.path();
+    let said = success(path, "render walk.toml --frames 1,3-4");
+    assert!(said.contains("frames 1,3-4") && said.contains("3 rendered"), "{said}");
+    assert!(!path.join("walk.0002.exr").exists());
+    assert_eq!(success(path, "render walk.toml --frames 1..6 --missing").trim(), "2,5-6");
+    let json: Value =
+        serde_json::from_str(&success(path, "render walk.toml --frames .. --missing --json")).unwrap();
+    assert_eq!(json["missing"], serde_json::json!([2]));
+    assert!(!path.join("walk.0002.exr").exists());
+    // A frame is the same in a list and in a row.
+    let alone = bytes(path, "walk.0004.exr");
+    success(path, "render walk.toml --frames 1..4 --startup uniform -o other.exr");
+    success(path, "render walk.toml --frames 4,1 --startup uniform -o third.exr");
+    assert!(bytes(path, "other.0004.exr") == bytes(path, "third.0004.exr") && !alone.is_empty());
+    failure(path, "render walk.toml --frames 1..4000000000", 2, "4000000000 frames are more than");
+    failure(path, "render walk.toml --frames 1,,2", 2, "expected A..B");
+    failure(path, "render walk.toml --frames 1,3 --video a.mp4", 2, "without gaps");
 }
 
 #[test]

@@ -148,7 +148,8 @@ fn what_is_not_a_number_is_seen() {
     let wall = Material { emission: [1.0; 3], ..Material::default() };
     let owned = box_of(wall, &[], wall);
     let materials = [Material { texture: 0, ..wall }; 2];
-    let (textures, texels) = ([Texture { width: 1, height: 1, first: 0 }], [[0.5, f32::NAN, 0.5]]);
+    let (textures, texels) =
+        ([Texture { width: 1, height: 1, first: 0, ..Texture::EMPTY }], [[0.5, f32::NAN, 0.5]]);
     let (textures, texels) = (&textures[..], &texels[..]);
     let broken = SceneData { materials: &materials, textures, texels, ..*owned.scene().data() };
     let (mut packets, mut more) = (common::packets(), common::packets());
@@ -169,7 +170,7 @@ fn what_is_not_a_number_is_seen_without_lamps() {
     let owned = box_of(dark, &[], dark);
     let sound = *owned.scene().data();
     let materials = [Material { texture: 0, ..dark }; 2];
-    let (textures, texels) = ([Texture { width: 1, height: 1, first: 0 }], [[f32::NAN; 3]]);
+    let (textures, texels) = ([Texture { width: 1, height: 1, first: 0, ..Texture::EMPTY }], [[f32::NAN; 3]]);
     let (textures, texels) = (&textures[..], &texels[..]);
     let normals = [[f32::INFINITY; 3]; 3];
     let surfaces: Vec<_> = sound.surfaces.iter().map(|s| Surface { normals, ..*s }).collect();

@@ -45,12 +45,12 @@ const STILL: [&str; 17] = [
     "albedo.B",
     "albedo.G",
     "albedo.R",
-    "alpha",
     "balanced.B",
     "balanced.G",
     "balanced.R",
     "count",
     "depth.Z",
+    "kernel.weight",
     "normal.X",
     "normal.Y",
     "normal.Z",
@@ -70,7 +70,7 @@ fn layers_are_those_asked_for_and_the_picture_stays_the_same() {
         success(path, &format!("{render} -o same.exr --layers kernel,variance,count"));
         assert!(fs::read(path.join("default.exr")).unwrap() == fs::read(path.join("same.exr")).unwrap());
         let default = read(path, "default.exr");
-        assert_eq!(names(&default), ["alpha", "count", "variance"]);
+        assert_eq!(names(&default), ["count", "kernel.weight", "variance"]);
         assert!(!default.attributes.contains_key("layers"));
         for (layers, wanted) in [
             ("none", vec![]),

@@ -15,6 +15,7 @@ fn checked(change: impl FnOnce(&mut Parts)) -> Result<(), Error> {
         leaves: &parts.leaves,
         triangles: &parts.triangles,
         surfaces: &parts.surfaces,
+        colours: &parts.colours,
         materials: &parts.materials,
         textures: &parts.textures,
         texels: &parts.texels,
@@ -29,6 +30,7 @@ struct Parts {
     leaves: Vec<Leaf8>,
     triangles: Vec<Triangle>,
     surfaces: Vec<Surface>,
+    colours: Vec<[[f32; 3]; 3]>,
     materials: Vec<Material>,
     textures: Vec<Texture>,
     texels: Vec<[f32; 3]>,
@@ -44,8 +46,9 @@ impl Parts {
             leaves: vec![Leaf8::new(0, &[triangle])],
             triangles: vec![triangle],
             surfaces: vec![Surface::default()],
+            colours: vec![],
             materials: vec![Material { emission: [1.0; 3], texture: 0, ..Material::default() }],
-            textures: vec![Texture { width: 2, height: 1, first: 0 }],
+            textures: vec![Texture { width: 2, height: 1, first: 0, ..Texture::EMPTY }],
             texels: vec![[1.0; 3]; 2],
             lights: vec![Light { triangle: 0, cumulative: 1.0, path: 0 }],
             light_nodes: vec![],
@@ -124,6 +127,11 @@ fn every_fault_is_named() {
     assert_eq!(fault(|p| p.materials[0].roughness = 0.0), Error::Material(0));
     assert_eq!(fault(|p| p.materials[0].roughness = 0.9 * MIN_ROUGHNESS), Error::Material(0));
     assert_eq!(fault(|p| p.materials[0].texture = 1), Error::Material(0));
+    assert_eq!(fault(|p| p.materials[0].opacity = 1.5), Error::Material(0));
+    assert_eq!(fault(|p| p.materials[0].opacity_texture = 1), Error::Material(0));
+    assert_eq!(fault(|p| p.materials[0].emission_texture = 1), Error::Material(0));
+    assert_eq!(fault(|p| p.colours = vec![[[1.0; 3]; 3]; 2]), Error::Colours(1), "colours of no triangle");
+    assert_eq!(fault(|p| p.colours = vec![[[1.0, 2.0, 0.0]; 3]]), Error::Colours(0));
     assert_eq!(fault(|p| p.textures[0].width = 3), Error::Texture(0));
     assert_eq!(fault(|p| p.textures[0].height = 0), Error::Texture(0));
     assert_eq!(fault(|p| p.lights[0].triangle = 1), Error::Light(0));

@@ -2,15 +2,16 @@
 
 mod scene_files;
 
-use pmcip::scene::load;
+use pmcip::scene::{Animation, LightChoice, Options, load};
 use scene_files::folder;
 use std::path::Path;
 
-/// The message for the first of the given files, without the path of its folder.
+/// The message for the first of the given files, taken strictly, without the path of its folder.
 fn message(files: &[(&str, &str)]) -> String {
     let dir = folder(files);
-    let error = match load(&dir.path().join(files[0].0)) {
-        Ok(scene) => scene.require_light().expect_err("the input is accepted"),
+    let options = Options { strict: true, light: LightChoice::Own, ..Options::default() };
+    let error = match Animation::open(&dir.path().join(files[0].0), &options) {
+        Ok(animation) => animation.scene().require_light().expect_err("the input is accepted"),
         Err(error) => error,
     };
     let message = error.to_string();
@@ -49,7 +50,7 @@ fn files_that_are_not_there_are_named() {
 #[test]
 fn truncated_objs_name_the_line() {
     obj_fails(&format!("{CORNERS}v 1 1"), "s.obj:4: vertex: expected 3 numbers, found 2");
-    obj_fails(&format!("{CORNERS}v 1 1 -"), "s.obj:4: vertex: expected a number, found \"-\"");
+    obj_fails(&format!("{CORNERS}v 1 1 -"), "s.obj:4: vertex: expected a finite number, found \"-\"");
     obj_fails(&format!("{CORNERS}f 1 2"), "s.obj:4: face: expected at least 3 corners, found 2");
     obj_fails(&format!("{CORNERS}f"), "s.obj:4: face: expected at least 3 corners, found 0");
     obj_fails(
@@ -63,33 +64,33 @@ fn truncated_objs_name_the_line() {
 #[test]
 fn indices_out_of_range_name_the_line_and_the_range() {
     let face = |f: &str| format!("{CORNERS}vt 0 0\n\nf {f}\n");
-    let vertex = |given: &str, corner: &str| {
-        format!("s.obj:6: face corner \"{corner}\": vertex index {given} is out of range, there are 3")
+    let vertex = |given: &str| {
+        format!("s.obj:6: face corner \"{given}\": index {given} is out of range, there are 3 so far")
     };
-    obj_fails(&face("1 2 4"), &vertex("4", "4"));
-    obj_fails(&face("0 1 2"), &vertex("0", "0"));
-    obj_fails(&face("-4 1 2"), &vertex("-4", "-4"));
-    obj_fails(&face("1 2 99999999999999"), &vertex("99999999999999", "99999999999999"));
-    obj_fails(
-        &face("1/1 2/2 3/1"),
-        "s.obj:6: face corner \"2/2\": texture coordinate index 2 is out of range, there are 1",
-    );
-    obj_fails(
-        &face("1//1 2 3"),
-        "s.obj:6: face corner \"1//1\": normal index 1 is out of range, there are 0",
-    );
-    obj_fails(&face("1 2 x"), "s.obj:6: face corner \"x\": vertex index is not a whole number");
-    obj_fails(
-        &face("1 2 3/1/1/1"),
-        "s.obj:6: face corner \"3/1/1/1\": normal index 1 is out of range, there are 0",
-    );
+    obj_fails(&face("1 2 4"), "s.obj:6: face: vertex index 4 is out of range, there are 3");
+    for index in ["0", "-4", "99999999999999"] {
+        obj_fails(&face(&format!("1 {index} 2")), &vertex(index));
+    }
+    obj_fails(&face("1/1 2/2 3/1"), "s.obj:6: face: texture coordinate index 2 is out of range, there are 1");
+    obj_fails(&face("1//1 2 3"), "s.obj:6: face: normal index 1 is out of range, there are 0");
+    obj_fails(&face("1 2 x"), "s.obj:6: face corner \"x\": index is not a whole number");
+    obj_fails(&face("1 2 3/1/1/1"), "s.obj:6: face corner \"3/1/1/1\": expected at most three indices");
 }
 
 #[test]
 fn numbers_that_are_not_finite_name_the_line() {
-    obj_fails(&format!("{CORNERS}v 0 nan 0\nf 1 2 3\n"), "s.obj:4: vertex: a coordinate is not finite");
-    obj_fails(&format!("{CORNERS}v 0 1e99 0\nf 1 2 3\n"), "s.obj:4: vertex: a coordinate is not finite");
-    obj_fails(&format!("{CORNERS}vt inf 0\n"), "s.obj:4: texture coordinate: a coordinate is not finite");
+    obj_fails(
+        &format!("{CORNERS}v 0 nan 0\nf 1 2 3\n"),
+        "s.obj:4: vertex: expected a finite number, found \"nan\"",
+    );
+    obj_fails(
+        &format!("{CORNERS}v 0 1e99 0\nf 1 2 3\n"),
+        "s.obj:4: vertex: expected a finite number, found \"1e99\"",
+    );
+    obj_fails(
+        &format!("{CORNERS}vt inf 0\n"),
+        "s.obj:4: texture coordinate: expected a finite number, found \"inf\"",
+    );
 }
 
 #[test]
@@ -114,7 +115,7 @@ fn material_files_name_line_material_and_key() {
     );
     mtl_fails("newmtl\n", "m.mtl:1: material \"\": newmtl: expected a name");
     mtl_fails("newmtl m\nmap_Kd\n", "m.mtl:2: material \"m\": map_Kd: expected a name");
-    mtl_fails("newmtl m\nNi 0\nillum 7\n", "m.mtl: material \"m\": Ni: expected an index above 0");
+    mtl_fails("newmtl m\nNi 0\nillum 7\n", "m.mtl:2: material \"m\": Ni: expected an index above 0");
 }
 
 #[test]

@@ -82,7 +82,7 @@ fn normals_are_unit_on_the_front_and_flat_where_missing() {
 
 #[test]
 fn attributes_of_some_corners_do_not_slip_to_others() {
-    // One face with all attributes, one with none, one with some: tobj alone would mix them up.
+    // One face with all attributes, one with none, one with some.
     let text = format!("{SQUARE}vt 0.25 0.75\nvn 0 0 1\nf 1 2 3\nf 1/1/1 3/1/1 4/1/1\nf 1/1 2 4//1\n");
     let scene = load_obj(&text);
     let smooth = scene.surfaces.iter().filter(|s| s.normals == [[0.0, 0.0, 1.0]; 3]);

@@ -45,8 +45,19 @@ fn illumination_models_choose_the_scattering() {
     for model in [3, 5] {
         assert_eq!(kind(&format!("Ks 0.9 0.8 0.7\nillum {model}\n")), Scattering::Mirror);
     }
+    // Something else is said: no mirror, but a lobe.
+    for other in ["Kd 0.8 0.8 0.8\nKs 0.5 0.5 0.5\nNs 900", "Ks 1 1 1\nNs 1000", "Ks 1 1 1\nPr 0.1"] {
+        assert_eq!(kind(&format!("{other}\nillum 3\n")), Scattering::Rough, "{other}");
+    }
+    assert_eq!(kind("Kd 0 0 0\nKs 0.9 0.9 0.9\nillum 3\n"), Scattering::Mirror);
     for model in [4, 6, 7, 9] {
-        assert_eq!(kind(&format!("Ni 1.33\nillum {model}\n")), Scattering::Dielectric);
+        let model = |mtl: &str| kind(&format!("{mtl}\nillum {model}\n"));
+        assert_eq!(model("Ni 1.33\nd 0.1"), Scattering::Dielectric);
+        assert_eq!(model("Ni 1.33\nTf 0.9 0.9 0.9"), Scattering::Dielectric);
+        for opaque in ["Ni 1.33", "Ni 1.33\nd 1", "Ni 1.45\nd 0.95", "d 0.1", "Ni 1\nTf 1 1 1", "Tf 0.5", ""]
+        {
+            assert_eq!(model(opaque), Scattering::Rough, "{opaque}");
+        }
     }
     assert_eq!(kind("d 0.5\nNi 1.5\n"), Scattering::Dielectric);
     assert_eq!(kind("Tf 0.9 0.9 0.9\nNi 1.5\nillum 2\n"), Scattering::Dielectric);
@@ -68,6 +79,53 @@ fn material_values_arrive() {
     );
     assert!((rough.roughness - 0.1).abs() < 1e-6);
     assert!(warnings.is_empty(), "{warnings:?}");
+}
+
+#[test]
+fn what_is_there_is_stated_in_many_ways() {
+    let opacity = |mtl: &str| material(mtl).0.opacity;
+    for (mtl, part) in [
+        ("", 1.0),
+        ("d 0.25", 0.25),
+        ("d -halo 0.25", 0.25),
+        ("d 7", 1.0),
+        ("Tr 0.25", 0.75),
+        ("d 0.95\nNi 1.45\nillum 9", 0.95),
+        ("d 1\nTr 1", 1.0),
+        ("d 0.3\nTr 0.7", 0.3),
+        ("Tr 1", 1.0),
+        ("Tr 0", 1.0),
+        ("Tf 0.5 0.5 0.5\nNi 1\nillum 4", 0.5),
+        ("Tf 0 0 0\nillum 2", 1.0),
+        // Glass is there as a whole.
+        ("d 0.1\nNi 1.5", 1.0),
+    ] {
+        assert_eq!(opacity(mtl), part, "{mtl}");
+    }
+    for (mtl, word) in [("d 1\nTr 1", "contradict"), ("Tr 1", "Tr 1"), ("d 0", "d is 0"), ("Tf 0 0 0", "Tf")]
+    {
+        let (_, warnings) = material(mtl);
+        assert!(warnings.iter().any(|w| w.contains(word)), "{mtl}: {warnings:?}");
+    }
+}
+
+#[test]
+fn metals_and_roughness_of_the_pbr_extension_arrive() {
+    let (metal, _) = material("Kd 0.8 0.6 0.4\nPr 0.5\nPm 1\n");
+    assert_eq!((metal.diffuse, metal.specular, metal.roughness), ([0.0; 3], [0.8, 0.6, 0.4], 0.25));
+    let (plastic, _) = material("Kd 0.8 0.6 0.4\nPr 0.5\nPm 0\n");
+    assert_eq!((plastic.diffuse, plastic.specular), ([0.8, 0.6, 0.4], [0.04; 3]));
+}
+
+#[test]
+fn what_is_not_honoured_is_named_once() {
+    let mtl = "Ka 1 1 1\nmap_Bump -bm 1 b.png\nnorm n.png\nPs 0.5\nnewmtl o\nmap_Bump b.png\nnewmtl p\nmap_Ns s.png\n";
+    let (_, warnings) = material(mtl);
+    assert_eq!(warnings.len(), 1, "{warnings:?}");
+    assert!(
+        warnings[0].ends_with("without effect here: Ps, map_Bump (2 times), map_Ns, norm"),
+        "{warnings:?}"
+    );
 }
 
 /// Exponents of which the lobe would be narrower than the core can make it, and those below 0.
@@ -138,8 +196,18 @@ fn textures_that_are_missing_or_broken_give_way_to_the_colour() {
 }
 
 #[test]
-fn texture_options_are_skipped_with_a_warning() {
-    let scene = textured("-s 2 2 1 picture.png", Some(image::RgbImage::new(1, 1)));
-    assert_eq!(scene.textures.len(), 1);
-    assert!(scene.warnings.iter().any(|w| w.contains("options of map_Kd")), "{:?}", scene.warnings);
+fn texture_options_are_honoured_or_named() {
+    let scene = textured("-s 2 3 1 -o 0.5 -clamp on picture.png", Some(image::RgbImage::new(1, 1)));
+    let texture = scene.textures[0];
+    assert_eq!((texture.scale, texture.offset, texture.clamp), ([2.0, 3.0], [0.5, 0.0], true));
+    assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+    for map in ["-mm 0 1 picture.png", "picture.png -mm 0 1", "-bm 1 picture.png"] {
+        let scene = textured(map, Some(image::RgbImage::new(1, 1)));
+        assert_eq!(scene.textures.len(), 1, "{map}");
+        assert!(
+            scene.warnings.iter().any(|w| w.contains("without effect here: option -")),
+            "{:?}",
+            scene.warnings
+        );
+    }
 }

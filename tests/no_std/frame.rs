@@ -39,6 +39,7 @@ pub fn render() -> Option<(Tally, f32)> {
         leaves: &leaves,
         triangles: &triangles,
         surfaces: &surfaces,
+        colours: &[],
         materials: &materials,
         textures: &[],
         texels: &[],

@@ -15,6 +15,7 @@ use glam::Vec3;
 use pmcip_core::maths::vec3::Vec3x8;
 use pmcip_core::tracer::camera::Camera;
 use pmcip_core::tracer::scene::Scene;
+use pmcip_core::tracer::shade::cutout;
 use pmcip_core::tracer::trace::{MISS, Rays8, Tracer};
 use std::collections::BTreeMap;
 use wide::f32x8;
@@ -100,7 +101,8 @@ impl Motion {
             let columns = f32x8::new(std::array::from_fn(|lane| (x + lane as u32) as f32 + 0.5));
             let direction = now.directions(columns, f32x8::splat(y as f32 + 0.5));
             let origin = Vec3x8::splat(now.origin());
-            let hits = tracer.closest(&Rays8 { origin, direction, t_max: f32x8::splat(f32::INFINITY) });
+            let rays = Rays8 { origin, direction, t_max: f32x8::splat(f32::INFINITY) };
+            let hits = cutout::seen(&mut tracer, &rays);
             let [dx, dy, dz] = [direction.x, direction.y, direction.z].map(f32x8::to_array);
             let (t, triangle) = (hits.t.to_array(), hits.triangle.to_array());
             for lane in 0..(width - x).min(8) as usize {

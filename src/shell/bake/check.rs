@@ -15,6 +15,7 @@ use pmcip_core::maths::vec3::Vec3x8;
 use pmcip_core::sampler::estimate::Estimator;
 use pmcip_core::tracer::camera::Camera;
 use pmcip_core::tracer::scene::{Scattering, Scene};
+use pmcip_core::tracer::shade::cutout::seen;
 use pmcip_core::tracer::trace::{MISS, Rays8, Tracer};
 use std::f32::consts::PI;
 use wide::{f32x8, u32x8};
@@ -62,7 +63,7 @@ pub fn check(
     let core = Scene::new(scene.data()).map_err(Error::setting)?;
     let pool = start_threads(threads)?;
     let sight = Sight { scene: core, camera, max_depth: 1, size: (width, height) };
-    let seen = sight.look(false, pool.as_ref())?;
+    let shown = sight.look(false, pool.as_ref())?;
     let mut lit = vec![Lit::default(); frame.rgb.len()];
     each(pool.as_ref(), lit.chunks_mut(width as usize).enumerate().collect(), |(y, row)| {
         let mut tracer = Tracer::new(core);
@@ -70,7 +71,7 @@ pub fn check(
             *lit = look(scene, atlas, lightmap, &mut tracer, &camera, (x, y as u32));
         }
     });
-    let baked = lit.iter().zip(&seen.features);
+    let baked = lit.iter().zip(&shown.features);
     let baked: Vec<[f32; 3]> = baked
         .map(|(lit, feature)| [0, 1, 2].map(|c| lit.emission[c] + feature.albedo[c] * lit.irradiance[c] / PI))
         .collect();
@@ -102,7 +103,7 @@ fn look(
     let (u, v) = point(index, u32x8::splat(hash(y << 16 | x)), 0);
     let direction = camera.directions(f32x8::splat(x as f32) + u, f32x8::splat(y as f32) + v);
     let origin = Vec3x8::splat(camera.origin());
-    let hits = tracer.closest(&Rays8 { origin, direction, t_max: f32x8::splat(f32::INFINITY) });
+    let hits = seen(tracer, &Rays8 { origin, direction, t_max: f32x8::splat(f32::INFINITY) });
     let direction = [direction.x, direction.y, direction.z].map(f32x8::to_array);
     let (triangles, u, v) = (hits.triangle.to_array(), hits.u.to_array(), hits.v.to_array());
     let mut lit = Lit { whole: true, ..Lit::default() };

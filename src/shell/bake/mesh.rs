@@ -8,7 +8,7 @@ use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::Path;
 
-/// Writes the triangles that have an irradiance: positions in scene units, and texture coordinates from 0 to 1, v growing
+/// Writes the triangles that have an irradiance: positions as in the scene's files, and texture coordinates from 0 to 1, v growing
 /// upwards, that belong to the lightmap.
 ///
 /// # Errors
@@ -19,7 +19,8 @@ pub fn write(path: &Path, scene: &LoadedScene, atlas: &Atlas<'_>) -> Result<(), 
     let mut corners = 0;
     for (triangle, flat) in scene.triangles.iter().zip(&atlas.corners) {
         let Some(flat) = flat else { continue };
-        for ([x, y, z], [u, v]) in triangle.corners.iter().zip(flat) {
+        for (corner, [u, v]) in triangle.corners.iter().zip(flat) {
+            let [x, y, z] = [0, 1, 2].map(|i| f64::from(corner[i]) + scene.origin[i]);
             // A string takes everything.
             let _ = writeln!(text, "v {x} {y} {z}\nvt {} {}", u / size, 1.0 - v / size);
         }

@@ -1,7 +1,7 @@
 //! The command line as data.
 
 use super::layers::Wish;
-use super::values::{exr_path, finite, fov, fps, gamma, mp4_path, positive, size, threads, vector};
+use super::values::{exr_path, finite, fov, fps, gamma, mp4_path, point, positive, size, threads, vector};
 use clap::error::ErrorKind;
 use clap::{Args, Parser, Subcommand};
 use pmcip::animation::sequence;
@@ -10,7 +10,7 @@ use pmcip::frame::settings::{
     DEFAULT_LIGHT_SAMPLES, DEFAULT_PHOTONS, Estimate, Integrator, MAX_DEPTH, MAX_LIGHT_SAMPLES, MAX_PHOTONS,
     Method, Startup,
 };
-use pmcip::scene::MAX_SIZE;
+use pmcip::scene::{LightChoice, MAX_SIZE};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -90,12 +90,16 @@ pub struct Render {
     /// Estimated perceptual error (Err) below which a frame ends, with --spp samples per pixel at most
     #[arg(long, value_name = "E", value_parser = positive, allow_negative_numbers = true, conflicts_with = "iterations")]
     pub target_err: Option<f32>,
-    /// Frames of an animation, first and last included: A..B, an open end being the scene's, or one number
+    /// Frames of an animation: A..B, first and last included, an open end being the scene's, or a list of numbers and
+    /// ranges such as 2,4,10-20
     ///
     /// Frame 7 goes to NAME.0007.exr and NAME.0007.png. Frames that are there already, made with the same settings
     /// of the same scene, are kept: an interrupted run goes on where it stopped. Frames made otherwise are an error.
     #[arg(long, value_name = "A..B", verbatim_doc_comment)]
-    pub frames: Option<sequence::Range>,
+    pub frames: Option<sequence::List>,
+    /// List those of the frames that are not on disk, or are damaged, and render nothing
+    #[arg(long, requires = "frames")]
+    pub missing: bool,
     /// What a frame starts from that follows another one
     #[arg(long, value_enum, value_name = "START", default_value = "motion", requires = "frames")]
     pub startup: Startup,
@@ -229,17 +233,23 @@ pub struct Common {
     #[arg(long, value_name = "N", value_parser = threads)]
     pub threads: Option<usize>,
     /// Eye position in scene units
-    #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
-    pub look_from: Option<[f32; 3]>,
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
+    pub look_from: Option<[f64; 3]>,
     /// Point in the middle of the image, in scene units
-    #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
-    pub look_at: Option<[f32; 3]>,
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
+    pub look_at: Option<[f64; 3]>,
     /// Direction that points up in the image
     #[arg(long, value_name = "X,Y,Z", value_parser = vector, allow_hyphen_values = true)]
     pub up: Option<[f32; 3]>,
     /// Vertical field of view in degrees, between 0 and 180
     #[arg(long, value_name = "DEG", value_parser = fov, allow_negative_numbers = true)]
     pub fov: Option<f32>,
+    /// What lights the scene
+    #[arg(long, value_enum, default_value = "auto")]
+    pub light: LightChoice,
+    /// Refuse mesh and material files with lines that mean nothing, instead of leaving these out
+    #[arg(long)]
+    pub strict: bool,
     /// Print nothing but errors
     #[arg(long)]
     pub quiet: bool,
@@ -302,6 +312,9 @@ pub struct Measure {
 pub struct Info {
     /// Scene file (.toml) or bare .obj
     pub scene: PathBuf,
+    /// Refuse mesh and material files with lines that mean nothing, instead of leaving these out
+    #[arg(long)]
+    pub strict: bool,
     /// Print one JSON object instead of words
     #[arg(long)]
     pub json: bool,

@@ -7,12 +7,13 @@ use pmcip::error::Error;
 use pmcip::frame::probe;
 use pmcip::frame::render::{self, Frame};
 use pmcip::frame::settings::{Method, Settings};
-use pmcip::scene::{Animation, LoadedScene, View};
+use pmcip::scene::{Animation, Eye, LightChoice, LoadedScene, Options};
+use pmcip_core::sampler::Tally;
 use std::io::Write;
 
 /// Why a command ended without success.
 pub struct Failure {
-    /// 2 for bad input, 1 for failed work.
+    /// 2 for bad input, 1 for failed work, 3 for a picture of which a part is missing.
     pub code: u8,
     /// One line.
     pub message: String,
@@ -28,13 +29,64 @@ pub fn failed(reason: impl ToString) -> Failure {
     Failure { code: 1, message: reason.to_string() }
 }
 
-/// Loads a scene that can be rendered, and passes on what the loader noticed.
-pub fn load(common: &Common) -> Result<Animation, Failure> {
-    let animation = Animation::load_lit(&common.scene).map_err(bad)?;
+/// Part of the samples that may be rejected before a command counts as failed.
+const REJECTABLE: f64 = 0.01;
+
+/// Loads a scene that can be rendered, and passes on what the loader noticed. One that its own light leaves in the dark, at
+/// an exposure that is the scene's where none is given, gets a lamp by the camera, if it is an OBJ and may have one.
+pub fn load(common: &Common, exposure: Option<f32>) -> Result<Animation, Failure> {
+    let mut options = Options { strict: common.strict, light: common.light, eye: eye(common) };
+    let open = |options: &Options| {
+        let animation = Animation::open(&common.scene, options).map_err(bad)?;
+        animation.scene().require_light().map(|()| animation).map_err(bad)
+    };
+    let mut animation = open(&options)?;
+    let mut dark = None;
+    if common.light == LightChoice::Auto && !animation.scene().has_lamp {
+        let scene = animation.scene();
+        let settings = path_settings(scene, common, Method::Uniform, None);
+        if probe::is_dark(scene, &settings, exposure.unwrap_or(scene.exposure)).map_err(blame)? {
+            let name = common.scene.display();
+            let why = format!("{name}: its own light leaves the picture nearly black");
+            if animation.scene().is_bare() {
+                options.light = LightChoice::Sky;
+                animation = open(&options)?;
+                dark = Some(format!("{why}: a lamp by the camera is added (--light own: without)"));
+            } else {
+                dark = Some(format!("{why}: --light sky adds a lamp by the camera"));
+            }
+        }
+    }
     if !common.quiet {
-        animation.scene().warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
+        animation.scene().warnings.iter().chain(&dark).for_each(|warning| eprintln!("warning: {warning}"));
     }
     Ok(animation)
+}
+
+/// What the command says of the camera.
+pub fn eye(common: &Common) -> Eye {
+    Eye { from: common.look_from, at: common.look_at, up: common.up, fov: common.fov }
+}
+
+/// Says how many samples of a picture were no numbers.
+///
+/// # Errors
+/// If they are more than a hundredth of all.
+pub fn admit(common: &Common, tally: Tally) -> Result<(), Failure> {
+    let all = tally.samples + tally.rejected;
+    let part = tally.rejected as f64 / all.max(1) as f64;
+    let message = || {
+        let why = "were infinite, too large or no numbers, and are left out of the picture";
+        format!("{} of {all} samples ({:.2} %) {why}", tally.rejected, 100.0 * part)
+    };
+    match tally.rejected {
+        0 => Ok(()),
+        _ if part > REJECTABLE => Err(Failure { code: 3, message: message() }),
+        _ => {
+            note(common, format!("warning: {}", message()));
+            Ok(())
+        }
+    }
 }
 
 /// The settings of the command and the scene, with the method's defaults for the rest.
@@ -53,18 +105,8 @@ pub fn path_settings(scene: &LoadedScene, common: &Common, method: Method, spp: 
     let mut settings = Settings::new(scene, method, spp, common.size);
     settings.max_depth = common.max_depth.unwrap_or(settings.max_depth);
     settings.sampler.seed = common.seed;
-    settings.view = view(common, scene.view);
+    settings.view = eye(common).applied(&scene.view, scene.origin);
     settings
-}
-
-/// The camera of the command, where it says nothing that of the scene.
-pub fn view(common: &Common, scene: View) -> View {
-    View {
-        from: common.look_from.unwrap_or(scene.from),
-        at: common.look_at.unwrap_or(scene.at),
-        up: common.up.unwrap_or(scene.up),
-        fov: common.fov.unwrap_or(scene.fov),
-    }
 }
 
 pub fn work(scene: &LoadedScene, settings: &Settings, common: &Common) -> Result<Frame, Failure> {

@@ -16,7 +16,7 @@ use std::path::Path;
 
 pub fn compare_methods(arguments: &Compare) -> Result<(), Failure> {
     let common = &arguments.common;
-    let mut animation = load(common)?;
+    let mut animation = load(common, None)?;
     prepare(&arguments.output)?;
     match arguments.frames {
         Some(range) => {

@@ -1,13 +1,13 @@
 //! The command `render --frames`: frame after frame, kept, resumed, and made into a video.
 
 use super::arguments::Render;
-use super::common::{Failure, bad, blame, failed, load, look, say, view};
+use super::common::{Failure, admit, bad, blame, eye, failed, load, look, note, say};
 use super::print::Rendered;
 use super::progress;
 use super::render::{output_name, render_settings};
 use indicatif::ProgressBar;
 use pmcip::animation::motion;
-use pmcip::animation::sequence::{self, Range, State};
+use pmcip::animation::sequence::{self, List, State};
 use pmcip::animation::startup::Predictor;
 use pmcip::animation::video::{self, Video};
 use pmcip::compare::reference::fingerprint;
@@ -16,9 +16,9 @@ use pmcip::frame::settings::{Layer, Settings};
 use pmcip::picture::frame_io;
 use pmcip::picture::output;
 use pmcip::scene::{Animation, LoadedScene, Pose};
+use pmcip_core::sampler::Tally;
 use serde::Serialize;
-use std::collections::BTreeMap;
-use std::ops::RangeInclusive;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
 /// A frame, as a line of JSON.
@@ -42,6 +42,7 @@ struct Total {
     seconds: f64,
     /// Samples a pixel.
     spp: f64,
+    tally: Tally,
     rebuilds: u32,
     rebuild_seconds: f64,
 }
@@ -61,7 +62,8 @@ struct Sequence<'a> {
     animation: Animation,
     /// The files' name without a number.
     name: PathBuf,
-    frames: RangeInclusive<u32>,
+    /// In order, at least one.
+    frames: Vec<u32>,
     /// Samples a pixel that the frame before took, if frames can end early.
     spent_spp: Option<u32>,
     /// What the frames before have told.
@@ -69,10 +71,13 @@ struct Sequence<'a> {
     total: Total,
 }
 
-/// Renders the frames of `range` that are not there, and the video.
-pub fn render_frames(arguments: &Render, range: Range) -> Result<(), Failure> {
-    let animation = load(&arguments.common)?;
-    let frames = range.within(animation.frames().map(|f| (f.first, f.last))).map_err(bad)?;
+/// Renders the frames of `list` that are not there, and the video; or says which are not there.
+pub fn render_frames(arguments: &Render, list: &List) -> Result<(), Failure> {
+    let animation = load(&arguments.common, arguments.exposure)?;
+    let frames = list.within(animation.frames().map(|f| (f.first, f.last))).map_err(bad)?;
+    if arguments.video.is_some() && frames.windows(2).any(|pair| pair[0] + 1 < pair[1]) {
+        return Err(bad("--video needs frames without gaps"));
+    }
     let name = output_name(arguments, animation.scene());
     let mut sequence = Sequence {
         arguments,
@@ -83,25 +88,51 @@ pub fn render_frames(arguments: &Render, range: Range) -> Result<(), Failure> {
         predictor: Predictor::default(),
         total: Total::default(),
     };
+    if arguments.missing {
+        sequence.say_missing();
+        return Ok(());
+    }
     let kept = sequence.find_kept()?;
     sequence.prepare()?;
     let settings = render_settings(sequence.animation.scene(), arguments)?;
-    let missing = sequence.frames.clone().count() - kept.len();
+    let missing = sequence.frames.len() - kept.len();
     let bar =
         progress::bar(settings.pixels(), u64::from(settings.spp) * missing as u64, arguments.common.quiet);
     for frame in sequence.frames.clone() {
-        bar.set_message(format!("frame {frame} of {}", sequence.frames.end()));
-        if kept.contains(&frame) { sequence.keep(frame)? } else { sequence.render(frame, &bar)? }
+        bar.set_message(format!("frame {frame} of {}", sequence.last()));
+        let is_there = kept.contains(&frame) && sequence.keep(frame)?;
+        if !is_there {
+            sequence.render(frame, &bar)?;
+        }
     }
     bar.finish_and_clear();
     let video = sequence.make_video();
     if !arguments.json && !arguments.common.quiet {
         say(&sequence.summary(&settings, video.is_ok()));
     }
-    video
+    video.and_then(|()| admit(&arguments.common, sequence.total.tally))
 }
 
 impl Sequence<'_> {
+    fn first(&self) -> u32 {
+        self.frames[0]
+    }
+
+    fn last(&self) -> u32 {
+        self.frames[self.frames.len() - 1]
+    }
+
+    /// Lists the frames that are not there, as `--frames` takes them.
+    fn say_missing(&self) {
+        let there = |frame: u32| frame_io::read_exr(&self.files(frame)[0]).is_ok();
+        let missing: Vec<u32> = self.frames.iter().copied().filter(|frame| !there(*frame)).collect();
+        if self.arguments.json {
+            say(&serde_json::json!({ "missing": missing }).to_string());
+        } else {
+            say(&sequence::compact(&missing));
+        }
+    }
+
     fn files(&self, frame: u32) -> [PathBuf; 2] {
         let exr = sequence::path(&self.name, frame);
         let png = exr.with_extension("png");
@@ -123,20 +154,21 @@ impl Sequence<'_> {
     }
 
     /// The frames that are complete; one that was made otherwise is an error unless it may be overwritten.
-    fn find_kept(&mut self) -> Result<Vec<u32>, Failure> {
-        let mut kept = Vec::new();
+    fn find_kept(&mut self) -> Result<BTreeSet<u32>, Failure> {
+        let mut kept = BTreeSet::new();
         for frame in self.frames.clone() {
             let [exr, _] = self.files(frame);
             if !exr.exists() {
                 continue;
             }
             match sequence::state(&exr, &self.seek(frame)?.attributes) {
-                State::Complete => kept.push(frame),
+                State::Complete => _ = kept.insert(frame),
                 State::Other(why) if !self.arguments.overwrite => {
                     let remedy = "give another name with -o, or --overwrite";
                     return Err(bad(format!("{} is another frame: {why}; {remedy}", exr.display())));
                 }
-                _ => {}
+                State::Damaged(why) => self.note_damaged(frame, &why),
+                State::Other(_) | State::Missing => {}
             }
         }
         Ok(kept)
@@ -144,7 +176,7 @@ impl Sequence<'_> {
 
     /// Makes sure that files can be written and that the camera sees something, before hours of work depend on it.
     fn prepare(&mut self) -> Result<(), Failure> {
-        let first = *self.frames.start();
+        let first = self.first();
         let video = self.arguments.video.as_slice();
         self.files(first).iter().chain(video).try_for_each(|path| output::check(path)).map_err(bad)?;
         if !video.is_empty() && !video::available() && !self.arguments.common.quiet {
@@ -159,18 +191,29 @@ impl Sequence<'_> {
         self.arguments.exposure.unwrap_or(self.animation.scene().exposure)
     }
 
+    fn note_damaged(&self, frame: u32, why: &str) {
+        let file = &self.files(frame)[0];
+        note(&self.arguments.common, format!("{} is damaged ({why}): it is rendered again", file.display()));
+    }
+
     /// Passes over a frame that is complete; its PNG follows the exposure asked for now. What its samples were like is
-    /// not on disk: the next frame starts uniformly.
-    fn keep(&mut self, frame: u32) -> Result<(), Failure> {
+    /// not on disk: the next frame starts uniformly. False if it turns out to be damaged.
+    fn keep(&mut self, frame: u32) -> Result<bool, Failure> {
         self.predictor.forget();
         let files = self.files(frame);
-        let picture = frame_io::read_exr(&files[0]).map_err(failed)?;
+        let picture = match frame_io::read_exr(&files[0]) {
+            Ok(picture) => picture,
+            Err(error) => {
+                self.note_damaged(frame, &error.to_string());
+                return Ok(false);
+            }
+        };
         frame_io::write_png(&files[1], &picture, self.exposure()).map_err(failed)?;
         let spent = picture.attributes.get("spent_spp").and_then(|spp| spp.parse::<f64>().ok());
         self.spent_spp = spent.map(|spp| spp as u32);
         self.total.kept += 1;
         self.print(&Line { frame, kept: true, rebuild_seconds: None, files: &files, rendered: None });
-        Ok(())
+        Ok(true)
     }
 
     fn render(&mut self, frame: u32, bar: &ProgressBar) -> Result<(), Failure> {
@@ -194,6 +237,8 @@ impl Sequence<'_> {
         self.print(&Line { frame, kept: false, rebuild_seconds, files: &files, rendered });
         self.spent_spp = done.estimated_err.map(|_| done.spp() as u32);
         self.total.rendered += 1;
+        self.total.tally.samples += done.tally.samples;
+        self.total.tally.rejected += done.tally.rejected;
         self.total.spp += done.spp();
         self.total.seconds += done.seconds;
         self.total.rebuilds += u32::from(rebuild_seconds.is_some());
@@ -204,8 +249,10 @@ impl Sequence<'_> {
     /// How what the frame shows has moved since the one before, whether that was rendered or not.
     fn motion(&self, settings: &Settings) -> Result<BTreeMap<String, Vec<f32>>, Failure> {
         let before = self.animation.before().map_err(bad)?;
-        let before = before.map(|pose| Pose { view: view(&self.arguments.common, pose.view), ..pose });
-        motion::layer(self.animation.scene(), settings, before.as_ref()).map_err(blame)
+        let scene = self.animation.scene();
+        let eye = eye(&self.arguments.common);
+        let before = before.map(|pose| Pose { view: eye.applied(&pose.view, scene.origin), ..pose });
+        motion::layer(scene, settings, before.as_ref()).map_err(blame)
     }
 
     fn print(&self, line: &Line) {
@@ -221,19 +268,23 @@ impl Sequence<'_> {
         let video = Video {
             file,
             pictures: self.name.with_extension("png"),
-            frames: self.frames.clone(),
+            frames: self.first()..=self.last(),
             fps: self.arguments.fps.unwrap_or(of_scene),
         };
         video.make().map_err(|error| failed(format!("{error}; the frames are complete")))
     }
 
     fn summary(&self, settings: &Settings, has_video: bool) -> String {
-        let Total { rendered, kept, seconds, spp, rebuilds, rebuild_seconds } = self.total;
+        let Total { rendered, kept, seconds, spp, rebuilds, rebuild_seconds, .. } = self.total;
         let scene = self.animation.scene();
         let core = &settings.sampler;
-        let (first, last) = (self.frames.start(), self.frames.end());
+        let (first, last) = (self.first(), self.last());
+        let frames = match self.frames.len() as u32 - 1 == last - first {
+            true => format!("{first} to {last}"),
+            false => sequence::compact(&self.frames),
+        };
         let mut text = format!(
-            "{}: frames {first} to {last}, {}×{} pixels, {} samples per pixel, sampler {}, seed {}\n",
+            "{}: frames {frames}, {}×{} pixels, {} samples per pixel, sampler {}, seed {}\n",
             scene.name, core.width, core.height, settings.spp, settings.method, core.seed
         );
         let each = seconds / f64::from(rendered.max(1));
@@ -248,7 +299,7 @@ impl Sequence<'_> {
             let each = 1e3 * rebuild_seconds / f64::from(rebuilds);
             text += &format!("the hierarchy was built {rebuilds} times, {each:.1} ms each\n");
         }
-        let [a, b] = [self.files(*first), self.files(*last)].map(|[exr, _]| exr.display().to_string());
+        let [a, b] = [self.files(first), self.files(last)].map(|[exr, _]| exr.display().to_string());
         text += &format!("wrote {a} to {b}, each with a PNG");
         if let Some(video) = self.arguments.video.as_ref().filter(|_| has_video) {
             text += &format!(", and {}", video.display());

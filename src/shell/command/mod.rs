@@ -22,8 +22,8 @@ use common::Failure;
 /// Runs a command.
 pub fn run(command: Command) -> Result<(), Failure> {
     match command {
-        Command::Render(arguments) => match arguments.frames {
-            Some(range) => frames::render_frames(&arguments, range),
+        Command::Render(arguments) => match &arguments.frames {
+            Some(list) => frames::render_frames(&arguments, list),
             None => render::render_frame(&arguments),
         },
         Command::Bake(arguments) => bake::bake_lightmap(&arguments),

@@ -167,14 +167,14 @@ pub struct Contents<'a> {
     textures: usize,
     nodes: usize,
     megabytes: f64,
-    bounds: Option<[[f32; 3]; 2]>,
+    bounds: Option<[[f64; 3]; 2]>,
     width: u32,
     height: u32,
     cd_per_unit: f32,
     spp: Option<u32>,
     max_depth: Option<u32>,
-    look_from: [f32; 3],
-    look_at: [f32; 3],
+    look_from: [f64; 3],
+    look_at: [f64; 3],
     up: [f32; 3],
     fov: f32,
     warnings: Vec<String>,
@@ -192,14 +192,14 @@ impl<'a> Contents<'a> {
             textures: scene.textures.len(),
             nodes: scene.nodes.len(),
             megabytes: bytes(scene) as f64 / 1e6,
-            bounds: bounds(scene),
+            bounds: bounds(scene).map(|corners| corners.map(|corner| in_file(scene, corner))),
             width: scene.width,
             height: scene.height,
             cd_per_unit: scene.cd_per_unit,
             spp: scene.spp,
             max_depth: scene.max_depth,
-            look_from: scene.view.from,
-            look_at: scene.view.at,
+            look_from: in_file(scene, scene.view.from),
+            look_at: in_file(scene, scene.view.at),
             up: scene.view.up,
             fov: scene.view.fov,
             warnings: scene.warnings.iter().cloned().chain(no_light).collect(),
@@ -214,6 +214,7 @@ fn bytes(scene: &LoadedScene) -> usize {
         + size_of_val(data.leaves)
         + size_of_val(data.triangles)
         + size_of_val(data.surfaces)
+        + size_of_val(data.colours)
         + size_of_val(data.materials)
         + size_of_val(data.textures)
         + size_of_val(data.texels)
@@ -230,7 +231,12 @@ fn bounds(scene: &LoadedScene) -> Option<[[f32; 3]; 2]> {
     })
 }
 
-fn point([x, y, z]: [f32; 3]) -> String {
+/// A point in the file's coordinates, in as few digits as it has in the scene's.
+fn in_file(scene: &LoadedScene, point: [f32; 3]) -> [f64; 3] {
+    [0, 1, 2].map(|i| point[i].to_string().parse().unwrap_or(f64::from(point[i])) + scene.origin[i])
+}
+
+fn point<T: Display>([x, y, z]: [T; 3]) -> String {
     format!("{x},{y},{z}")
 }
 

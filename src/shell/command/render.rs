@@ -1,7 +1,7 @@
 //! The command `render`: one frame.
 
 use super::arguments::Render;
-use super::common::{Failure, bad, failed, load, print, settings, work};
+use super::common::{Failure, admit, bad, failed, load, print, settings, work};
 use super::layers;
 use super::print::Rendered;
 use pmcip::frame::schedule::Target;
@@ -12,7 +12,7 @@ use pmcip_core::sampler::estimate::Estimator;
 use std::path::PathBuf;
 
 pub fn render_frame(arguments: &Render) -> Result<(), Failure> {
-    let scene = load(&arguments.common)?.into_scene();
+    let scene = load(&arguments.common, arguments.exposure)?.into_scene();
     let exr = output_name(arguments, &scene);
     let png = exr.with_extension("png");
     [&exr, &png].into_iter().try_for_each(|path| output::check(path)).map_err(bad)?;
@@ -24,7 +24,7 @@ pub fn render_frame(arguments: &Render) -> Result<(), Failure> {
     let files = [exr, png];
     let report = Rendered::new(&scene, &settings, &frame, &files);
     print(&arguments.common, arguments.json, &report);
-    Ok(())
+    admit(&arguments.common, frame.tally)
 }
 
 /// The file that is asked for, or one named after the scene.

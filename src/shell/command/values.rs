@@ -35,7 +35,13 @@ pub fn size(text: &str) -> Result<(u32, u32), String> {
 
 /// Three numbers.
 pub fn vector(text: &str) -> Result<[f32; 3], String> {
-    let numbers: Vec<f32> = text.split(',').filter_map(|number| finite(number.trim()).ok()).collect();
+    point(text).map(|point| point.map(|v| v as f32))
+}
+
+/// Three numbers of double precision.
+pub fn point(text: &str) -> Result<[f64; 3], String> {
+    let number = |text: &str| text.trim().parse().ok().filter(|v: &f64| v.abs() <= f64::from(f32::MAX));
+    let numbers: Vec<f64> = text.split(',').filter_map(number).collect();
     let wanted = "expected three numbers X,Y,Z, such as 0,1.5,-2";
     if text.split(',').count() == 3 {
         numbers.try_into().map_err(|_| wanted.into())

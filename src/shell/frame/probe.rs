@@ -2,7 +2,8 @@
 
 use crate::error::Error;
 use crate::frame::render;
-use crate::frame::settings::{Integrator, Method, Settings};
+use crate::frame::settings::{Integrator, Layer, Method, Settings};
+use crate::picture::metrics::luminance;
 use crate::scene::LoadedScene;
 use glam::Vec3;
 use pmcip_core::maths::vec3::Vec3x8;
@@ -16,12 +17,41 @@ const SIDE: u32 = 32;
 /// Samples a pixel of the trial picture.
 const SPP: u32 = 16;
 
-/// Renders a tiny trial picture. If no light arrives in it at all, says so: as an error where the camera is
-/// enclosed by the backs of surfaces, else as a warning.
+/// Side in pixels of the blocks by which a trial picture is judged: 256 samples each.
+const BLOCK: u32 = 4;
+/// Luminance below which a block is black to the eye: code 12 of 255.
+const BLACK: f64 = 0.004;
+/// Part of what is seen that must not be black.
+const LEAST_LIT: f64 = 0.25;
+
+/// Whether less than a quarter of what the camera sees of the scene is lit, in a tiny trial picture at `exposure` stops. Where
+/// nothing is seen there is no matter of light.
 ///
 /// # Errors
-/// [`Error::Setting`] if the camera is inside a wall, and as [`render::render`].
-pub fn look(scene: &LoadedScene, settings: &Settings) -> Result<Option<String>, Error> {
+/// As [`render::render`].
+pub fn is_dark(scene: &LoadedScene, settings: &Settings, exposure: f32) -> Result<bool, Error> {
+    let mut trial = trial(scene, settings);
+    trial.layers = [Layer::Coverage].into_iter().collect();
+    let frame = render::render(scene, &trial, Some(1), &|_| ())?;
+    let coverage = &frame.layers[Layer::Coverage.channels()[0]];
+    let starts = (0..SIDE).step_by(BLOCK as usize);
+    let blocks = starts.clone().flat_map(|y| starts.clone().map(move |x| (x, y)));
+    let (mut seen, mut lit) = (0.0, 0.0);
+    for (x, y) in blocks {
+        let pixels = (0..BLOCK * BLOCK).map(|i| ((y + i / BLOCK) * SIDE + x + i % BLOCK) as usize);
+        let covered: f32 = pixels.clone().map(|pixel| coverage[pixel]).sum();
+        if covered < 0.5 * (BLOCK * BLOCK) as f32 {
+            continue;
+        }
+        let light: f64 = pixels.map(|pixel| luminance(frame.rgb[pixel])).sum();
+        seen += 1.0;
+        lit += f64::from(u8::from(light / f64::from(covered) * f64::from(exposure).exp2() > BLACK));
+    }
+    Ok(seen > 0.0 && lit < LEAST_LIT * seen)
+}
+
+/// The settings of a tiny trial picture.
+fn trial(scene: &LoadedScene, settings: &Settings) -> Settings {
     let mut trial = Settings::new(scene, Method::Uniform, Some(SPP), Some((SIDE, SIDE)));
     (trial.view, trial.max_depth) = (settings.view, settings.max_depth);
     // Paths see what the photon map shows, without shooting it.
@@ -29,11 +59,20 @@ pub fn look(scene: &LoadedScene, settings: &Settings) -> Result<Option<String>, 
         Integrator::Gather { .. } => Integrator::Path,
         other => other,
     };
-    let frame = render::render(scene, &trial, Some(1), &|_| ())?;
+    trial
+}
+
+/// Renders a tiny trial picture. If no light arrives in it at all, says so: as an error where the camera is
+/// enclosed by the backs of surfaces, else as a warning.
+///
+/// # Errors
+/// [`Error::Setting`] if the camera is inside a wall, and as [`render::render`].
+pub fn look(scene: &LoadedScene, settings: &Settings) -> Result<Option<String>, Error> {
+    let frame = render::render(scene, &trial(scene, settings), Some(1), &|_| ())?;
     if frame.rgb.iter().flatten().any(|v| *v > 0.0) {
         return Ok(None);
     }
-    let [x, y, z] = settings.view.from;
+    let [x, y, z] = [0, 1, 2].map(|i| f64::from(settings.view.from[i]) + scene.origin[i]);
     if sees_only_backs(scene, settings)? {
         let why = "every ray from it meets the back of a surface and no light arrives";
         return Err(Error::Setting(format!("the camera at {x},{y},{z} is inside a wall: {why}")));

@@ -143,6 +143,12 @@ impl Frame {
 pub fn attributes(scene: &LoadedScene, settings: &Settings) -> BTreeMap<String, String> {
     let mut settings_by_name = settings.list();
     settings_by_name.insert("scene".into(), Value::String(scene.name.clone()));
+    if scene.origin != [0.0; 3] {
+        let world =
+            |point: [f32; 3]| [0, 1, 2].map(|i| f64::from(point[i]) + scene.origin[i]).to_vec().into();
+        settings_by_name.insert("look_from".into(), world(settings.view.from));
+        settings_by_name.insert("look_at".into(), world(settings.view.at));
+    }
     settings_by_name.into_iter().map(|(name, value)| (name, plain(value))).collect()
 }
 

@@ -28,7 +28,7 @@ pub struct Picture {
     pub height: u32,
     /// Linear RGB.
     pub rgb: Vec<[f32; 3]>,
-    /// Further planes by channel name, such as `variance`, `count` and `alpha`.
+    /// Further planes by channel name, such as `variance`, `count` and `kernel.weight`.
     pub planes: BTreeMap<String, Vec<f32>>,
     /// Settings by name.
     pub attributes: BTreeMap<String, String>,

@@ -6,6 +6,7 @@ use super::object::Object;
 use super::place::Placement;
 use super::pose;
 use super::script::Script;
+use glam::DVec3;
 use pmcip_core::tracer::scene::LightNode8;
 use pmcip_core::tracer::scene::{light, light_tree};
 use std::time::Instant;
@@ -42,6 +43,8 @@ pub struct Animation {
     script: Script,
     /// Kept only if one of them moves.
     objects: Vec<Object>,
+    /// Where the coordinates of each object begin.
+    homes: Vec<DVec3>,
 }
 
 impl Animation {
@@ -52,7 +55,8 @@ impl Animation {
         script: Script,
         frame: u32,
     ) -> Result<Animation, Error> {
-        let mut animation = Animation { scene, frame, script, objects };
+        let homes = objects.iter().map(|object| object.home).collect();
+        let mut animation = Animation { scene, frame, script, objects, homes };
         if !animation.script.moves() {
             animation.objects = Vec::new();
         }
@@ -91,7 +95,7 @@ impl Animation {
         let mut change = Change { view: self.look(frame)?, light: self.shine(frame), geometry: None };
         if self.script.moves() {
             let start = Instant::now();
-            let placements = self.script.placements(frame).map_err(|m| self.blame(frame, m))?;
+            let placements = self.placements(frame)?;
             if placements != self.scene.placements {
                 self.place(placements).map_err(|m| self.blame(frame, m))?;
                 change.geometry = Some(start.elapsed().as_secs_f64());
@@ -113,10 +117,21 @@ impl Animation {
             return Ok(None);
         }
         let frame = self.frame - 1;
-        let camera = self.script.camera.as_ref().map(|camera| camera.at(frame)).transpose();
+        let camera = self.script.camera.as_ref().map(|camera| camera.at(frame, self.origin())).transpose();
         let view = camera.map_err(|m| self.blame(frame, m))?.unwrap_or(self.scene.view);
-        let placements = self.script.placements(frame).map_err(|m| self.blame(frame, m))?;
+        let placements = self.placements(frame)?;
         Ok(Some(Pose { view, placements }))
+    }
+
+    fn origin(&self) -> DVec3 {
+        DVec3::from_array(self.scene.origin)
+    }
+
+    /// Where all objects stand in a frame, in the scene's own coordinates.
+    fn placements(&self, frame: u32) -> Result<Vec<Placement>, Error> {
+        let placements = self.script.placements(frame).map_err(|m| self.blame(frame, m))?;
+        let seated = placements.iter().zip(&self.homes);
+        Ok(seated.map(|(placement, home)| placement.seated(*home, self.origin())).collect())
     }
 
     fn blame(&self, frame: u32, message: &str) -> Error {
@@ -126,7 +141,7 @@ impl Animation {
     /// Turns the camera; whether it has moved.
     fn look(&mut self, frame: u32) -> Result<bool, Error> {
         let Some(camera) = &self.script.camera else { return Ok(false) };
-        let view = camera.at(frame).map_err(|m| self.blame(frame, m))?;
+        let view = camera.at(frame, self.origin()).map_err(|m| self.blame(frame, m))?;
         Ok(std::mem::replace(&mut self.scene.view, view) != view)
     }
 
@@ -136,7 +151,7 @@ impl Animation {
         for glow in &self.script.glows {
             let emission = &mut self.scene.materials[glow.material as usize].emission;
             let [power] = glow.power.at(frame);
-            let new = glow.emission.at(frame).map(|v| v * power);
+            let new = glow.emission.at(frame).map(|v| v as f32 * power as f32);
             changed |= std::mem::replace(emission, new) != new;
         }
         changed
@@ -148,6 +163,7 @@ impl Animation {
         let scene = &mut self.scene;
         (scene.nodes, scene.leaves, scene.triangles) = (geometry.nodes, geometry.leaves, geometry.triangles);
         (scene.surfaces, scene.objects) = (geometry.surfaces, geometry.objects);
+        scene.colours = geometry.colours;
         scene.placements = placements;
         geometry.warnings.into_iter().for_each(|warning| scene.warn(warning));
         Ok(())

@@ -4,13 +4,15 @@ use super::animation::Animation;
 use super::error::Error;
 use super::model::{LoadedScene, View};
 use super::object::{Corner, Object, Piece};
+use super::options::{LightChoice, Options};
 use super::place::Placement;
+use super::pose::{self, Geometry};
 use super::script::{ObjectTrack, Script};
 use super::texture::TextureCache;
-use super::{pose, shapes};
-use glam::Vec3;
-use pmcip_core::tracer::scene::Material;
-use pmcip_core::tracer::scene::light;
+use super::{facing, home, lamp, shapes};
+use glam::{DVec3, Vec3};
+use pmcip_core::tracer::scene::{Material, NO_TEXTURE, light};
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
 /// The vertical field of view of the automatic camera: that of the Cornell box.
@@ -19,78 +21,136 @@ pub(super) const DEFAULT_FOV: f32 = 39.3;
 /// What the scene file or the lack of one says about the image.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Shot {
-    pub view: Option<View>,
     pub width: u32,
     pub height: u32,
     pub cd_per_unit: f32,
     pub exposure: f32,
     pub spp: Option<u32>,
     pub max_depth: Option<u32>,
-    /// Whether a scene without light gets one.
-    pub soft_box: bool,
 }
 
 impl Default for Shot {
     fn default() -> Self {
-        Shot {
-            view: None,
-            width: 512,
-            height: 512,
-            cd_per_unit: 100.0,
-            exposure: 0.0,
-            spp: None,
-            max_depth: None,
-            soft_box: false,
-        }
+        Shot { width: 512, height: 512, cd_per_unit: 100.0, exposure: 0.0, spp: None, max_depth: None }
     }
 }
 
 /// A scene in the making.
 #[derive(Debug, Default)]
 pub(super) struct Assembly {
+    /// Whether a line that means nothing is an error.
+    pub strict: bool,
     objects: Vec<Object>,
     materials: Vec<Material>,
+    /// What materials are called, where they are.
+    names: HashMap<u32, String>,
+    /// Materials of single triangles by that of their object and the bits of their mean radiance.
+    glows: HashMap<(u32, [u32; 3]), u32>,
     pub textures: TextureCache,
     warnings: Vec<String>,
+    warned: HashSet<String>,
 }
 
 impl Assembly {
+    /// Nothing yet.
+    pub fn new(strict: bool) -> Assembly {
+        Assembly { strict, ..Assembly::default() }
+    }
+
     /// Adds a material and returns its index.
     pub fn add_material(&mut self, material: Material) -> u32 {
         self.materials.push(material);
         (self.materials.len() - 1) as u32
     }
 
+    /// Adds a material that has a name, and returns its index.
+    pub fn add_named(&mut self, material: Material, name: &str) -> u32 {
+        let index = self.add_material(material);
+        self.names.insert(index, name.to_owned());
+        index
+    }
+
+    /// A material that was added.
+    pub fn material(&self, index: u32) -> &Material {
+        &self.materials[index as usize]
+    }
+
     /// Notes what the user should know; once is enough.
     pub fn warn(&mut self, warning: String) {
-        if !self.warnings.contains(&warning) {
+        if self.warned.insert(warning.clone()) {
             self.warnings.push(warning);
         }
     }
 
-    /// Begins an object that stands in the file `source`: all triangles up to the next one move together.
-    pub fn begin(&mut self, source: &Path) {
-        self.objects.push(Object { source: source.to_owned(), pieces: Vec::new() });
+    /// Begins an object that stands in the file `source` and whose coordinates begin at `home`: all triangles up to the
+    /// next one move together.
+    pub fn begin(&mut self, source: &Path, home: DVec3) {
+        self.objects.push(Object {
+            source: source.to_owned(),
+            home,
+            pieces: Vec::new(),
+            colours: Vec::new(),
+        });
     }
 
     /// Adds a triangle to the object begun last.
     pub fn add(&mut self, corners: [Corner; 3], material: u32) {
-        if let Some(object) = self.objects.last_mut() {
-            object.pieces.push(Piece { corners, material });
-        }
+        self.add_coloured(corners, material, None);
     }
 
-    /// Poses all objects for the first frame of `script`, and frames the view if there is none.
-    pub fn finish(mut self, path: &Path, shot: Shot, mut script: Script) -> Result<Animation, Error> {
+    /// Adds a triangle whose corners may have linear colours.
+    pub fn add_coloured(&mut self, corners: [Corner; 3], material: u32, colours: Option<[[f32; 3]; 3]>) {
+        let material = self.glowing(material, &corners);
+        let Some(object) = self.objects.last_mut() else { return };
+        if let Some(colours) = colours {
+            object.colours.resize(object.pieces.len(), [[1.0; 3]; 3]);
+            object.colours.push(colours);
+        }
+        object.pieces.push(Piece { corners, material });
+    }
+
+    /// The material itself, or if a texture shines in it, one that knows how much of that is on this triangle.
+    fn glowing(&mut self, index: u32, corners: &[Corner; 3]) -> u32 {
+        let material = self.materials[index as usize];
+        if material.emission_texture == NO_TEXTURE {
+            return index;
+        }
+        let emission = self.textures.mean(material.emission_texture, corners.map(|c| c.uv.to_array()));
+        let is_dark = emission == [0.0; 3];
+        let emission_texture = if is_dark { NO_TEXTURE } else { material.emission_texture };
+        let materials = &mut self.materials;
+        *self.glows.entry((index, emission.map(f32::to_bits))).or_insert_with(|| {
+            materials.push(Material { emission, emission_texture, ..material });
+            (materials.len() - 1) as u32
+        })
+    }
+
+    /// Poses all objects for the first frame of `script`, frames the view if it has no camera, and adds the lamp that
+    /// `options` ask for.
+    pub fn finish(
+        mut self,
+        path: &Path,
+        shot: Shot,
+        options: &Options,
+        mut script: Script,
+    ) -> Result<Animation, Error> {
         let blame = |message| Error::in_file(path, message);
         let frame = script.first_frame();
-        let mut placements = script.placements(frame).map_err(blame)?;
+        let placements = script.placements(frame).map_err(blame)?;
+        let origin = self.origin(&placements);
+        let mut placements = self.seated(&placements, origin);
         let mut geometry = pose::place(&self.objects, &placements).map_err(blame)?;
-        let view = shot.view.unwrap_or_else(|| frame_view(geometry.bounds, shot.width, shot.height));
-        if shot.soft_box && light::count(&geometry.surfaces, &self.materials) == 0 {
-            self.add_soft_box(path, &view);
+        let view = match &script.camera {
+            Some(camera) => camera.at(frame, origin).map_err(blame)?,
+            None => frame_view(geometry.bounds, shot.width, shot.height),
+        };
+        let is_dark = light::count(&geometry.surfaces, &self.materials) == 0;
+        self.name_backward_lamps(path, &geometry);
+        let has_lamp = options.light == LightChoice::Sky || options.light == LightChoice::Auto && is_dark;
+        if has_lamp {
+            self.add_lamp(path, &options.eye.applied(&view, origin.to_array()), &geometry, origin);
             script.paths.push(ObjectTrack::Still);
-            placements = script.placements(frame).map_err(blame)?;
+            placements.push(Placement::IDENTITY);
             geometry = pose::place(&self.objects, &placements).map_err(blame)?;
         }
         geometry.sort();
@@ -98,10 +158,13 @@ impl Assembly {
         let mut scene = LoadedScene {
             name: path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
             path: path.to_owned(),
+            has_lamp,
+            origin: origin.to_array(),
             nodes: geometry.nodes,
             leaves: geometry.leaves,
             triangles: geometry.triangles,
             surfaces: geometry.surfaces,
+            colours: geometry.colours,
             objects: geometry.objects,
             placements,
             materials: self.materials,
@@ -122,30 +185,46 @@ impl Assembly {
         Animation::new(scene, self.objects, script, frame)
     }
 
-    /// Lights the scene as a photographer would: from behind the camera, above it and to its left. A white surface
-    /// that faces the lamp in the middle of the picture gets radiance 1.
-    fn add_soft_box(&mut self, path: &Path, view: &View) {
-        /// Half its side, in distances from what it lights.
-        const HALF: f32 = 0.25;
-        let (from, at) = (Vec3::from(view.from), Vec3::from(view.at));
-        let (back, up) = (from - at, Vec3::from(view.up).normalize());
-        let left = up.cross(-back);
-        let center = from + 0.35 * back + 0.6 * back.length() * up + 0.45 * left;
-        let (shine, distance) = ((at - center).normalize(), at.distance(center));
-        let across = shine.cross(up).normalize();
-        let [u, v] = [across, shine.cross(across)].map(|edge| HALF * distance * edge);
-        // Irradiance is radiance times area over the squared distance: π makes white shine with 1.
-        let radiance = std::f32::consts::PI / (4.0 * HALF * HALF);
+    /// Names lamps that shine away from everything.
+    fn name_backward_lamps(&mut self, path: &Path, geometry: &Geometry) {
+        for material in facing::backwards(geometry, &self.materials) {
+            let Some(name) = self.names.get(&material) else { continue };
+            let why = "shines away from everything: a lamp's front is the side from which its corners run counter-clockwise";
+            self.warn(format!("{}: the lamp \"{name}\" {why}", path.display()));
+        }
+    }
+
+    /// Where the scene's coordinates begin: see [`home`].
+    fn origin(&self, placements: &[Placement]) -> DVec3 {
+        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for (object, placement) in self.objects.iter().zip(placements) {
+            let placement = placement.seated(object.home, DVec3::ZERO);
+            for point in
+                object.pieces.iter().flat_map(|piece| piece.corners).map(|c| placement.exact(c.position))
+            {
+                (low, high) = (low.min(point), high.max(point));
+            }
+        }
+        home::home(low, high)
+    }
+
+    fn seated(&self, placements: &[Placement], origin: DVec3) -> Vec<Placement> {
+        let objects = placements.iter().zip(&self.objects);
+        objects.map(|(placement, object)| placement.seated(object.home, origin)).collect()
+    }
+
+    /// Lights the scene from the camera.
+    fn add_lamp(&mut self, path: &Path, view: &View, geometry: &Geometry, origin: DVec3) {
+        let (place, radiance) = lamp::key_light(view, geometry);
         let material = self.add_material(lamp([radiance; 3]));
-        let place = Placement::rectangle(center, u, v);
-        self.begin(path);
+        self.begin(path, origin);
         for triangle in shapes::square() {
             self.add(triangle.map(|c| Corner { position: place.position(c.position), ..c }), material);
         }
-        let name = path.display();
-        self.warn(format!(
-            "{name}: no light: no material has an emission (Ke); a lamp behind the camera instead"
-        ));
+        if light::count(&geometry.surfaces, &self.materials) == 0 {
+            let why = "no light: no material has an emission (Ke); a lamp by the camera instead (--light own: without)";
+            self.warn(format!("{}: {why}", path.display()));
+        }
     }
 }
 

@@ -4,7 +4,8 @@ use glam::Vec3A;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2_from_tris;
 use obvhs::{BvhBuildParams, triangle::Triangle as BuildTriangle};
-use pmcip_core::tracer::scene::{Leaf8, Node8, Triangle};
+use pmcip_core::tracer::scene::{Leaf8, MAX_DEPTH, Node8, Triangle};
+use std::collections::HashMap;
 use std::time::Duration;
 
 /// A hierarchy and the triangle order its leaves expect.
@@ -29,6 +30,10 @@ const TRIANGLE_COST_OF_FEW: f32 = 0.35;
 /// Triangles of a scene that the core walks in packets whatever the rays' directions.
 const FEW: usize = 256;
 
+/// Level from which on triangles are divided by their number: no scene whose boxes tell them apart gets there, and below it
+/// eight children each leave room for all that an index can count.
+const BY_COUNT: usize = MAX_DEPTH - 11;
+
 /// Boxes grow by this fraction of the largest coordinate, a few rounding errors of the intersection tests, so
 /// that no ray slips between a box and the triangle on its face.
 const PADDING: f32 = 1.0 / (1 << 20) as f32;
@@ -38,10 +43,12 @@ pub fn build(triangles: &[Triangle]) -> Bvh {
     if triangles.is_empty() {
         return Bvh { nodes: Vec::new(), leaves: Vec::new(), order: Vec::new() };
     }
-    let input: Vec<BuildTriangle> = triangles
+    let heaps = heaps(triangles);
+    let input: Vec<BuildTriangle> = heaps
+        .first
         .iter()
-        .map(|t| {
-            let [v0, v1, v2] = t.corners.map(Vec3A::from_array);
+        .map(|i| {
+            let [v0, v1, v2] = triangles[*i as usize].corners.map(Vec3A::from_array);
             BuildTriangle { v0, v1, v2 }
         })
         .collect();
@@ -55,14 +62,60 @@ pub fn build(triangles: &[Triangle]) -> Bvh {
     let mut collapse = Collapse {
         tree: &tree,
         triangles,
+        heaps,
         plans,
         padding,
         nodes: Vec::new(),
         leaves: Vec::new(),
         order: Vec::new(),
     };
-    collapse.node(0);
+    collapse.node(0, 0);
     Bvh { nodes: collapse.nodes, leaves: collapse.leaves, order: collapse.order }
+}
+
+/// Triangles of which many have the same box: no tree tells them apart, and looking for one would take for ever.
+struct Heaps {
+    /// The triangles of which the tree is made, one for each heap.
+    first: Vec<u32>,
+    /// The others of each heap, by its first.
+    others: HashMap<u32, Vec<u32>>,
+}
+
+/// Most triangles of one box that are left to the tree.
+const HEAP: u32 = 64;
+
+/// Finds heaps: boxes are counted by a hash, and compared where that says they are many.
+fn heaps(triangles: &[Triangle]) -> Heaps {
+    const BUCKETS: usize = 1 << 20;
+    let bucket = |triangle: &Triangle| {
+        let mix = |hash: u64, bits: u32| {
+            (hash ^ u64::from(bits)).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29)
+        };
+        bounds(triangle).into_iter().fold(0, mix) as usize % BUCKETS
+    };
+    let mut counts = vec![0u32; BUCKETS];
+    triangles.iter().for_each(|triangle| counts[bucket(triangle)] += 1);
+    let many = HEAP + 4 * (triangles.len() / BUCKETS) as u32;
+    let mut firsts: HashMap<[u32; 6], Vec<u32>> = HashMap::new();
+    for (i, triangle) in (0..).zip(triangles).filter(|(_, triangle)| counts[bucket(triangle)] > many) {
+        firsts.entry(bounds(triangle)).or_default().push(i);
+    }
+    let mut others: HashMap<u32, Vec<u32>> = HashMap::new();
+    let mut is_other = Vec::new();
+    for heap in firsts.into_values().filter(|heap| heap.len() > HEAP as usize) {
+        is_other.resize(triangles.len(), false);
+        heap[1..].iter().for_each(|i| is_other[*i as usize] = true);
+        others.insert(heap[0], heap[1..].to_vec());
+    }
+    let stays = |i: &u32| !is_other.get(*i as usize).copied().unwrap_or(false);
+    Heaps { first: (0..triangles.len() as u32).filter(stays).collect(), others }
+}
+
+/// The bits of a triangle's box.
+fn bounds(triangle: &Triangle) -> [u32; 6] {
+    let [a, b, c] = triangle.corners.map(Vec3A::from_array);
+    let (low, high) = (a.min(b).min(c).to_array(), a.max(b).max(c).to_array());
+    [low[0], low[1], low[2], high[0], high[1], high[2]].map(f32::to_bits)
 }
 
 /// What it costs to make a binary node into up to `i + 1` children of a wide one, and how.
@@ -133,6 +186,7 @@ fn join(area: f32, triangle_cost: f32, a: &Plan, b: &Plan) -> Plan {
 struct Collapse<'a> {
     tree: &'a Bvh2,
     triangles: &'a [Triangle],
+    heaps: Heaps,
     plans: Vec<Plan>,
     padding: f32,
     nodes: Vec<Node8>,
@@ -141,8 +195,12 @@ struct Collapse<'a> {
 }
 
 impl Collapse<'_> {
-    /// Appends the wide node that stands for binary node `root` and what is below it; returns its index.
-    fn node(&mut self, root: usize) -> u32 {
+    /// Appends the wide node at `level` that stands for binary node `root` and what is below it; returns its index.
+    fn node(&mut self, root: usize, level: usize) -> u32 {
+        if level >= BY_COUNT {
+            let triangles = self.below(root);
+            return self.node_by_count(&triangles);
+        }
         let index = self.nodes.len();
         self.nodes.push(Node8::EMPTY);
         let mut children = Vec::new();
@@ -155,19 +213,40 @@ impl Collapse<'_> {
             let aabb = *self.tree.nodes[child].aabb();
             let (lower, upper) = (aabb.min - self.padding, aabb.max + self.padding);
             let (first, count) = if self.plans[child].split[0] == 0 {
-                (self.leaves.len() as u32, self.leaf(child))
+                self.leaf(child)
             } else {
-                (self.node(child), 0)
+                (self.node(child, level + 1), 0)
             };
-            let out = &mut self.nodes[index];
-            for axis in 0..3 {
-                out.lower[axis][slot] = lower[axis];
-                out.upper[axis][slot] = upper[axis];
-            }
-            out.child[slot] = first;
-            out.count[slot] = count;
+            self.set(index, slot, (lower, upper), (first, count));
         }
         index as u32
+    }
+
+    /// Appends a node whose children have equal shares of `triangles`, and what is below it; returns its index.
+    fn node_by_count(&mut self, triangles: &[u32]) -> u32 {
+        let index = self.nodes.len();
+        self.nodes.push(Node8::EMPTY);
+        let share = triangles.len().div_ceil(8).max(1);
+        for (slot, part) in triangles.chunks(share).enumerate() {
+            let corners =
+                part.iter().flat_map(|i| self.triangles[*i as usize].corners).map(Vec3A::from_array);
+            let start = (Vec3A::INFINITY, Vec3A::NEG_INFINITY);
+            let (low, high) = corners.fold(start, |(low, high), p| (low.min(p), high.max(p)));
+            let child = self.leaf_of(part);
+            self.set(index, slot, (low - self.padding, high + self.padding), child);
+        }
+        index as u32
+    }
+
+    /// Writes a child into a node.
+    fn set(&mut self, node: usize, slot: usize, (lower, upper): (Vec3A, Vec3A), (first, count): (u32, u32)) {
+        let out = &mut self.nodes[node];
+        for axis in 0..3 {
+            out.lower[axis][slot] = lower[axis];
+            out.upper[axis][slot] = upper[axis];
+        }
+        out.child[slot] = first;
+        out.count[slot] = count;
     }
 
     /// The children of a wide node that come from the halves of `root`, `share` of `children` from the first.
@@ -188,25 +267,40 @@ impl Collapse<'_> {
         }
     }
 
-    /// Appends the leaf that stands for binary node `root`; returns its number of triangles.
-    fn leaf(&mut self, root: usize) -> u32 {
-        let first = self.order.len();
-        self.collect(root);
-        let order = &self.order[first..];
-        let triangles: Vec<Triangle> = order.iter().map(|i| self.triangles[*i as usize]).collect();
-        self.leaves.push(Leaf8::new(first as u32, &triangles));
-        triangles.len() as u32
+    /// Appends what stands for binary node `root`, which is a leaf; returns it as a child.
+    fn leaf(&mut self, root: usize) -> (u32, u32) {
+        let below = self.below(root);
+        self.leaf_of(&below)
     }
 
-    /// Appends the triangles below `root`.
-    fn collect(&mut self, root: usize) {
-        let node = self.tree.nodes[root];
-        let first = node.first_index as usize;
-        if node.is_leaf() {
-            self.order.extend(&self.tree.primitive_indices[first..first + node.prim_count as usize]);
-        } else {
-            self.collect(first);
-            self.collect(first + 1);
+    /// Appends a leaf, or nodes above leaves where one has no room; returns it as a child.
+    fn leaf_of(&mut self, order: &[u32]) -> (u32, u32) {
+        if order.len() > MAX_LEAF as usize {
+            return (self.node_by_count(order), 0);
         }
+        let first = self.order.len();
+        self.order.extend(order);
+        let triangles: Vec<Triangle> = order.iter().map(|i| self.triangles[*i as usize]).collect();
+        self.leaves.push(Leaf8::new(first as u32, &triangles));
+        (self.leaves.len() as u32 - 1, triangles.len() as u32)
+    }
+
+    /// The triangles below `root`, from left to right. The binary tree may be as deep as there are triangles.
+    fn below(&self, root: usize) -> Vec<u32> {
+        let (mut triangles, mut waiting) = (Vec::new(), vec![root]);
+        while let Some(at) = waiting.pop() {
+            let node = self.tree.nodes[at];
+            let first = node.first_index as usize;
+            if node.is_leaf() {
+                for number in &self.tree.primitive_indices[first..first + node.prim_count as usize] {
+                    let triangle = self.heaps.first[*number as usize];
+                    triangles.push(triangle);
+                    triangles.extend(self.heaps.others.get(&triangle).into_iter().flatten());
+                }
+            } else {
+                waiting.extend([first + 1, first]);
+            }
+        }
+        triangles
     }
 }

@@ -1,5 +1,6 @@
 //! What can be wrong with a scene on disk.
 
+use super::source;
 use std::path::{Path, PathBuf};
 
 /// Bad input: one line that names the file and, where known, the line in it.
@@ -44,10 +45,16 @@ impl Error {
     }
 }
 
-/// The text of a file; bytes that are not UTF-8 become replacement characters.
+/// The text of a file, in whatever way that is written.
+///
+/// # Errors
+/// If it cannot be read, or is something else than text: what it seems to be.
 pub(super) fn read(path: &Path) -> Result<String, Error> {
     match std::fs::read(path) {
-        Ok(bytes) => Ok(String::from_utf8_lossy(&bytes).into_owned()),
+        Ok(bytes) => match source::other_kind(&bytes) {
+            Some(kind) => Err(Error::in_file(path, format!("it seems to be {kind}"))),
+            None => Ok(source::decode(bytes)),
+        },
         Err(source) => Err(Error::Read { path: path.to_owned(), source }),
     }
 }

@@ -4,6 +4,7 @@ use super::animation::Animation;
 use super::assemble::{Assembly, Shot};
 use super::error::Error;
 use super::model::{LoadedScene, is_obj};
+use super::options::{LightChoice, Options};
 use super::script::Script;
 use super::{file, obj};
 use std::path::Path;
@@ -14,29 +15,41 @@ impl Animation {
     /// # Errors
     /// If a file cannot be read or understood, or holds no triangle.
     pub fn load(path: &Path) -> Result<Animation, Error> {
-        if is_obj(path) { bare_obj(path, false) } else { file::load_scene(path, obj::add_mesh) }
+        Animation::open(path, &Options { light: LightChoice::Own, ..Options::default() })
     }
 
     /// Loads a scene to be rendered: as [`load`](Self::load), but something shines in it. An OBJ without light gets a
-    /// lamp behind the camera, and a warning that says so.
+    /// lamp by the camera, and a warning that says so.
     ///
     /// # Errors
     /// As [`load`](Self::load), and if a scene file has no light.
     pub fn load_lit(path: &Path) -> Result<Animation, Error> {
-        if is_obj(path) {
-            return bare_obj(path, true);
-        }
-        let animation = Animation::load(path)?;
+        let animation = Animation::open(path, &Options::default())?;
         animation.scene().require_light().map(|()| animation)
+    }
+
+    /// Loads a scene as `options` say.
+    ///
+    /// # Errors
+    /// If a file cannot be read or understood, or holds no triangle.
+    pub fn open(path: &Path, options: &Options) -> Result<Animation, Error> {
+        match is_obj(path) {
+            true => bare_obj(path, options),
+            false => {
+                // A lamp that nobody has asked for is for files that cannot have one.
+                let light =
+                    if options.light == LightChoice::Sky { LightChoice::Sky } else { LightChoice::Own };
+                file::load_scene(path, obj::add_mesh, &Options { light, ..*options })
+            }
+        }
     }
 }
 
-/// An OBJ as a scene of its own: default film, a camera framed on it, lights from its materials, or if none of them
-/// shines and `soft_box` allows it, a lamp behind the camera.
-fn bare_obj(path: &Path, soft_box: bool) -> Result<Animation, Error> {
-    let mut assembly = Assembly::default();
+/// An OBJ as a scene of its own: default film, a camera framed on it, lights from its materials.
+fn bare_obj(path: &Path, options: &Options) -> Result<Animation, Error> {
+    let mut assembly = Assembly::new(options.strict);
     obj::add_mesh(&mut assembly, path, None)?;
-    assembly.finish(path, Shot { soft_box, ..Shot::default() }, Script::still(1))
+    assembly.finish(path, Shot::default(), options, Script::still(1))
 }
 
 /// Loads a scene file, or an OBJ as a scene of its own; of an animation the first frame.
@@ -47,7 +60,7 @@ pub fn load(path: &Path) -> Result<LoadedScene, Error> {
     Animation::load(path).map(Animation::into_scene)
 }
 
-/// Loads a scene to be rendered: as [`load`], but something shines in it. An OBJ without light gets a lamp behind the
+/// Loads a scene to be rendered: as [`load`], but something shines in it. An OBJ without light gets a lamp by the
 /// camera, and a warning that says so.
 ///
 /// # Errors

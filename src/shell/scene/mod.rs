@@ -5,7 +5,10 @@
 //! Rec. 709, angles degrees.
 //!
 //! An OBJ is framed as a whole, seen along −z. [`load_lit`] lights one whose materials do not shine by a lamp behind
-//! the camera, above and to the left; it stays there when the command line moves the camera.
+//! the camera, above and to the left, in a room inside of it.
+//!
+//! What is far from the origin (geo-referenced models) is read in double precision and moved to its own centre:
+//! everything in a [`LoadedScene`] is relative to its `origin`.
 //!
 //! # The scene file
 //!
@@ -100,15 +103,20 @@ mod animation;
 mod assemble;
 pub mod bvh;
 mod error;
+mod facing;
 mod file;
+mod home;
+mod lamp;
 mod load;
 mod model;
 mod obj;
 mod object;
+mod options;
 mod place;
 mod pose;
 mod script;
 mod shapes;
+mod source;
 mod texture;
 mod track;
 
@@ -116,4 +124,5 @@ pub use animation::{Animation, Change};
 pub use error::Error;
 pub use load::{load, load_lit};
 pub use model::{Frames, LoadedScene, MAX_SIZE, Pose, View};
+pub use options::{Eye, LightChoice, Options};
 pub use place::{Placement, Shift};

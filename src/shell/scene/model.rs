@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 /// The largest width or height of an image, in pixels.
 pub const MAX_SIZE: u32 = pmcip_core::sampler::film::MAX_SIDE;
 
-/// From where a scene is seen.
+/// From where a scene is seen, in coordinates that begin at the scene's [`origin`](LoadedScene::origin).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
     /// The eye.
@@ -39,6 +39,10 @@ pub struct LoadedScene {
     pub name: String,
     /// The file it came from.
     pub path: PathBuf,
+    /// Whether it got a lamp by the camera.
+    pub has_lamp: bool,
+    /// Where all coordinates begin, in those of the file: zero unless the scene is far from there.
+    pub origin: [f64; 3],
     /// Hierarchy over the triangles.
     pub nodes: Vec<Node8>,
     /// The hierarchy's leaves.
@@ -47,6 +51,8 @@ pub struct LoadedScene {
     pub triangles: Vec<Triangle>,
     /// One a triangle.
     pub surfaces: Vec<Surface>,
+    /// Linear colours of the corners of each triangle; empty if there are none.
+    pub colours: Vec<[[f32; 3]; 3]>,
     /// The object of each triangle: meshes, then spheres, then lights, in the order of the scene file.
     pub objects: Vec<u32>,
     /// Where each object stands.
@@ -92,6 +98,7 @@ impl LoadedScene {
             leaves: &self.leaves,
             triangles: &self.triangles,
             surfaces: &self.surfaces,
+            colours: &self.colours,
             materials: &self.materials,
             textures: &self.textures,
             texels: &self.texels,
@@ -105,6 +112,11 @@ impl LoadedScene {
         if !self.warnings.contains(&warning) {
             self.warnings.push(warning);
         }
+    }
+
+    /// Whether it is an OBJ as a scene of its own.
+    pub fn is_bare(&self) -> bool {
+        is_obj(&self.path)
     }
 
     /// Makes sure that something shines, before time is spent on a black image.

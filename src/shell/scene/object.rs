@@ -1,6 +1,6 @@
 //! Triangles that move together, as readers find them.
 
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 use std::path::PathBuf;
 
 /// A corner of a triangle; a zero normal means that the source has none.
@@ -16,7 +16,11 @@ pub(super) struct Corner {
 pub(super) struct Object {
     /// The file to name in warnings.
     pub source: PathBuf,
+    /// Where its coordinates begin, in those of the file.
+    pub home: DVec3,
     pub pieces: Vec<Piece>,
+    /// Linear colours of the corners of each piece; empty if there are none.
+    pub colours: Vec<[[f32; 3]; 3]>,
 }
 
 /// A triangle of an object.

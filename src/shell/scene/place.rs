@@ -1,13 +1,13 @@
 //! Where an object stands: scale, then rotation, then translation.
 
-use glam::{Mat3, Quat, Vec3};
+use glam::{DMat3, DVec3, Mat3, Quat, Vec3};
 
 /// An affine map of an object's own positions and normals into the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placement {
     linear: Mat3,
     normals: Mat3,
-    translation: Vec3,
+    translation: DVec3,
     mirrored: bool,
 }
 
@@ -16,12 +16,12 @@ impl Placement {
     pub const IDENTITY: Placement = Placement {
         linear: Mat3::IDENTITY,
         normals: Mat3::IDENTITY,
-        translation: Vec3::ZERO,
+        translation: DVec3::ZERO,
         mirrored: false,
     };
 
     /// Scales by `scale` (no factor 0), turns, moves.
-    pub(super) fn new(scale: Vec3, rotation: Quat, translation: Vec3) -> Placement {
+    pub(super) fn new(scale: Vec3, rotation: Quat, translation: DVec3) -> Placement {
         let rotation = Mat3::from_quat(rotation);
         Placement {
             linear: rotation * Mat3::from_diagonal(scale),
@@ -32,15 +32,26 @@ impl Placement {
     }
 
     /// Makes the unit sphere one of this centre and radius.
-    pub(super) fn sphere(center: Vec3, radius: f32) -> Placement {
+    pub(super) fn sphere(center: DVec3, radius: f32) -> Placement {
         Placement { linear: Mat3::from_diagonal(Vec3::splat(radius)), translation: center, ..Self::IDENTITY }
     }
 
     /// Makes the square of corners (±1, ±1, 0) the rectangle of half edges `u` and `v`, which must not be parallel.
-    pub(super) fn rectangle(center: Vec3, u: Vec3, v: Vec3) -> Placement {
+    pub(super) fn rectangle(center: DVec3, u: Vec3, v: Vec3) -> Placement {
         let normal = u.cross(v).normalize();
         let linear = Mat3::from_cols(u, v, normal);
         Placement { linear, normals: linear.inverse().transpose(), translation: center, mirrored: false }
+    }
+
+    /// The same for an object whose coordinates begin at `home`, into a scene whose coordinates begin at `origin`.
+    pub(super) fn seated(&self, home: DVec3, origin: DVec3) -> Placement {
+        let linear = DMat3::from_cols_array(&self.linear.to_cols_array().map(f64::from));
+        Placement { translation: linear * home + self.translation - origin, ..*self }
+    }
+
+    /// Where a point goes, in double precision.
+    pub(super) fn exact(&self, p: Vec3) -> DVec3 {
+        (self.linear * p).as_dvec3() + self.translation
     }
 
     /// Whether it turns counter-clockwise corners into clockwise ones.
@@ -50,7 +61,7 @@ impl Placement {
 
     /// Where a point goes.
     pub fn position(&self, p: Vec3) -> Vec3 {
-        self.linear * p + self.translation
+        self.linear * p + self.translation.as_vec3()
     }
 
     /// Where a normal points, by the inverse transpose; not of unit length.
@@ -63,7 +74,11 @@ impl Placement {
         if self == other {
             return Shift { linear: Mat3::IDENTITY, from: Vec3::ZERO, to: Vec3::ZERO };
         }
-        Shift { linear: other.linear * self.linear.inverse(), from: self.translation, to: other.translation }
+        Shift {
+            linear: other.linear * self.linear.inverse(),
+            from: self.translation.as_vec3(),
+            to: other.translation.as_vec3(),
+        }
     }
 }
 

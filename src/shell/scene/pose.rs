@@ -19,6 +19,8 @@ pub(super) struct Geometry {
     pub leaves: Vec<Leaf8>,
     pub triangles: Vec<Triangle>,
     pub surfaces: Vec<Surface>,
+    /// Colours of the corners of each triangle; empty if no object has any.
+    pub colours: Vec<[[f32; 3]; 3]>,
     /// The object of each triangle.
     pub objects: Vec<u32>,
     /// The box around all triangles.
@@ -49,9 +51,14 @@ pub(super) fn pose(objects: &[Object], placements: &[Placement]) -> Result<Geome
 /// If nothing has an area, or a vertex is at infinity.
 pub(super) fn place(objects: &[Object], placements: &[Placement]) -> Result<Geometry, &'static str> {
     let mut geometry = Geometry::default();
+    let coloured = objects.iter().any(|object| !object.colours.is_empty());
     for (number, (object, placement)) in objects.iter().zip(placements).enumerate() {
         let mut odd = Oddities::default();
-        object.pieces.iter().for_each(|piece| geometry.add(piece, placement, number as u32, &mut odd));
+        for (i, piece) in object.pieces.iter().enumerate() {
+            if geometry.add(piece, placement, number as u32, &mut odd) && coloured {
+                geometry.colours.push(object.colours.get(i).copied().unwrap_or([[1.0; 3]; 3]));
+            }
+        }
         geometry.warn(object, odd);
     }
     if geometry.triangles.is_empty() {
@@ -65,8 +72,8 @@ pub(super) fn place(objects: &[Object], placements: &[Placement]) -> Result<Geom
 }
 
 impl Geometry {
-    /// Adds a triangle, or counts it if it has no area.
-    fn add(&mut self, piece: &Piece, placement: &Placement, object: u32, odd: &mut Oddities) {
+    /// Adds a triangle, or counts it if it has no area; whether it has added it.
+    fn add(&mut self, piece: &Piece, placement: &Placement, object: u32, odd: &mut Oddities) -> bool {
         let mut placed = piece.corners.map(|c| Corner {
             position: placement.position(c.position),
             normal: placement.normal(c.normal).normalize_or_zero(),
@@ -78,7 +85,7 @@ impl Geometry {
         let positions = placed.map(|c| c.position);
         let Some(front) = front_of(positions) else {
             odd.degenerate += 1;
-            return;
+            return false;
         };
         let normals = shading_normals(placed.map(|c| c.normal), front, odd);
         self.triangles.push(Triangle { corners: positions.map(|p| p.to_array()) });
@@ -88,6 +95,7 @@ impl Geometry {
             material: piece.material,
         });
         self.objects.push(object);
+        true
     }
 
     /// Reports what was odd about an object.
@@ -108,6 +116,9 @@ impl Geometry {
         let bvh = bvh::build(&self.triangles);
         self.triangles = bvh.order.iter().map(|&i| self.triangles[i as usize]).collect();
         self.surfaces = bvh.order.iter().map(|&i| self.surfaces[i as usize]).collect();
+        if !self.colours.is_empty() {
+            self.colours = bvh.order.iter().map(|&i| self.colours[i as usize]).collect();
+        }
         self.objects = bvh.order.iter().map(|&i| self.objects[i as usize]).collect();
         (self.nodes, self.leaves) = (bvh.nodes, bvh.leaves);
     }

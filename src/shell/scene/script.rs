@@ -3,7 +3,7 @@
 use super::model::{Frames, View};
 use super::place::Placement;
 use super::track::{Track, Turn};
-use glam::Vec3;
+use glam::DVec3;
 
 /// What a scene does over time.
 #[derive(Clone, Debug, Default)]
@@ -32,7 +32,7 @@ impl Script {
         self.moving
     }
 
-    /// Where all objects stand in a frame.
+    /// Where all objects stand in a frame, in the scene file's coordinates.
     pub fn placements(&self, frame: u32) -> Result<Vec<Placement>, &'static str> {
         self.paths.iter().map(|path| path.at(frame)).collect()
     }
@@ -48,19 +48,20 @@ pub(super) struct CameraTrack {
 }
 
 impl CameraTrack {
-    /// The camera of a frame.
+    /// The camera of a frame, in a scene whose coordinates begin at `origin`.
     ///
     /// # Errors
     /// If it looks nowhere.
-    pub fn at(&self, frame: u32) -> Result<View, &'static str> {
-        let [from, at, up] = [&self.from, &self.at, &self.up].map(|track| Vec3::from_array(track.at(frame)));
+    pub fn at(&self, frame: u32, origin: DVec3) -> Result<View, &'static str> {
+        let [from, at, up] = [&self.from, &self.at, &self.up].map(|track| DVec3::from_array(track.at(frame)));
+        let [from, at, up] = [from - origin, at - origin, up].map(|v| v.as_vec3());
         let forward = (at - from).try_normalize().ok_or("camera: from and at are the same point")?;
         let upward = up.try_normalize().ok_or("camera: up has no direction")?;
         if forward.cross(upward).length() < 1e-5 {
             return Err("camera: up is parallel to the view");
         }
         let [fov] = self.fov.at(frame);
-        Ok(View { from: from.to_array(), at: at.to_array(), up: up.to_array(), fov })
+        Ok(View { from: from.to_array(), at: at.to_array(), up: up.to_array(), fov: fov as f32 })
     }
 }
 
@@ -79,19 +80,22 @@ impl ObjectTrack {
     /// # Errors
     /// If a light has no area.
     pub fn at(&self, frame: u32) -> Result<Placement, &'static str> {
-        let vector = |track: &Track<3>| Vec3::from_array(track.at(frame));
+        let point = |track: &Track<3>| DVec3::from_array(track.at(frame));
+        let vector = |track: &Track<3>| point(track).as_vec3();
         Ok(match self {
             ObjectTrack::Still => Placement::IDENTITY,
             ObjectTrack::Mesh { scale, rotate, translate } => {
-                Placement::new(vector(scale), rotate.at(frame), vector(translate))
+                Placement::new(vector(scale), rotate.at(frame), point(translate))
             }
-            ObjectTrack::Sphere { center, radius } => Placement::sphere(vector(center), radius.at(frame)[0]),
+            ObjectTrack::Sphere { center, radius } => {
+                Placement::sphere(point(center), radius.at(frame)[0] as f32)
+            }
             ObjectTrack::Light { center, edge_u, edge_v } => {
                 let (u, v) = (vector(edge_u), vector(edge_v));
                 if u.cross(v).length_squared() <= 1e-12 * u.length_squared() * v.length_squared() {
                     return Err("lights: edge_u and edge_v span no area");
                 }
-                Placement::rectangle(vector(center), u, v)
+                Placement::rectangle(point(center), u, v)
             }
         })
     }

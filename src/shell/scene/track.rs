@@ -37,7 +37,7 @@ pub(super) enum Swing {
 /// Keys of `N` numbers in order of their frames, at least one.
 #[derive(Clone, Debug)]
 pub(super) struct Track<const N: usize> {
-    keys: Vec<(f64, [f32; N])>,
+    keys: Vec<(f64, [f64; N])>,
     interpolation: Interpolation,
     swing: Swing,
 }
@@ -45,8 +45,8 @@ pub(super) struct Track<const N: usize> {
 impl<const N: usize> Track<N> {
     /// A value that follows `keys`; without any it is `still`.
     pub fn new(
-        still: [f32; N],
-        keys: impl IntoIterator<Item = (u32, [f32; N])>,
+        still: [f64; N],
+        keys: impl IntoIterator<Item = (u32, [f64; N])>,
         interpolation: Interpolation,
         swing: Swing,
     ) -> Self {
@@ -58,26 +58,26 @@ impl<const N: usize> Track<N> {
     }
 
     /// The value of a frame.
-    pub fn at(&self, frame: u32) -> [f32; N] {
+    pub fn at(&self, frame: u32) -> [f64; N] {
         let Some((i, u)) = locate(&self.keys, frame) else { return self.end(frame) };
         std::array::from_fn(|c| self.component(i, u, c))
     }
 
     /// The value before the first key or after the last.
-    fn end(&self, frame: u32) -> [f32; N] {
+    fn end(&self, frame: u32) -> [f64; N] {
         let last = self.keys.len() - 1;
         self.keys[if f64::from(frame) <= self.keys[0].0 { 0 } else { last }].1
     }
 
-    fn component(&self, i: usize, u: f64, c: usize) -> f32 {
-        let value = |k: usize| f64::from(self.keys[k].1[c]);
+    fn component(&self, i: usize, u: f64, c: usize) -> f64 {
+        let value = |k: usize| self.keys[k].1[c];
         let (a, b) = (value(i), value(i + 1));
         if self.interpolation == Interpolation::Linear {
-            return (a + (b - a) * u) as f32;
+            return a + (b - a) * u;
         }
         let slope = |k: usize| (value(k + 1) - value(k)) / self.span(k);
         let [from, to] = [i, i + 1].map(|k| self.span(i) * self.tangent(k, slope));
-        hermite(a, b, from, to, u) as f32
+        hermite(a, b, from, to, u)
     }
 
     /// Time from key `k` to the next.
@@ -243,7 +243,7 @@ fn log(rotation: Quat) -> Vec3 {
 mod tests {
     use super::*;
 
-    fn track(keys: &[(u32, f32)], interpolation: Interpolation, swing: Swing) -> Track<1> {
+    fn track(keys: &[(u32, f64)], interpolation: Interpolation, swing: Swing) -> Track<1> {
         Track::new([9.0], keys.iter().map(|&(frame, value)| (frame, [value])), interpolation, swing)
     }
 
@@ -257,7 +257,7 @@ mod tests {
 
     #[test]
     fn smooth_values_reproduce_parabolas_at_uneven_keys_ends_included() {
-        let law = |t: u32| 0.25 * t as f32 * t as f32 - 3.0 * t as f32 + 7.0;
+        let law = |t: u32| 0.25 * f64::from(t * t) - 3.0 * f64::from(t) + 7.0;
         let keys = [0, 3, 10, 11, 30].map(|t| (t, law(t)));
         let track = track(&keys, Interpolation::Smooth, Swing::Free);
         for t in 0..=30 {

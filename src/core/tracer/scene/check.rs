@@ -12,6 +12,7 @@ pub(super) fn check(data: &SceneData<'_>) -> Result<(), Error> {
         return Err(Error::SurfaceCount);
     }
     check_hierarchy(data)?;
+    check_colours(data)?;
     check_each(data.surfaces, Error::Surface, |s| (s.material as usize) < data.materials.len())?;
     check_each(data.materials, Error::Material, |m| m.is_valid(data.textures.len()))?;
     check_each(data.textures, Error::Texture, |t| t.is_valid(data.texels.len()))?;
@@ -21,6 +22,13 @@ pub(super) fn check(data: &SceneData<'_>) -> Result<(), Error> {
 
 fn check_each<T>(items: &[T], error: fn(usize) -> Error, valid: impl Fn(&T) -> bool) -> Result<(), Error> {
     items.iter().position(|item| !valid(item)).map_or(Ok(()), |i| Err(error(i)))
+}
+
+fn check_colours(data: &SceneData<'_>) -> Result<(), Error> {
+    if !data.colours.is_empty() && data.colours.len() != data.triangles.len() {
+        return Err(Error::Colours(data.colours.len().min(data.triangles.len())));
+    }
+    check_each(data.colours, Error::Colours, |c| c.as_flattened().iter().all(|v| (0.0..=1.0).contains(v)))
 }
 
 /// Walks the hierarchy as a ray would that hits everything.

@@ -16,6 +16,8 @@ pub struct SceneData<'a> {
     pub triangles: &'a [Triangle],
     /// One for each triangle.
     pub surfaces: &'a [Surface],
+    /// Linear colours of the corners of each triangle, 0 to 1, by which the diffuse reflectance is multiplied. Empty: white.
+    pub colours: &'a [[[f32; 3]; 3]],
     /// Materials.
     pub materials: &'a [Material],
     /// Textures.
@@ -35,6 +37,8 @@ pub struct SceneData<'a> {
 pub enum Error {
     /// `surfaces` and `triangles` differ in length.
     SurfaceCount,
+    /// `colours` is neither empty nor as long as `triangles`, or this triangle's are not from 0 to 1.
+    Colours(usize),
     /// The node of this index has a child that does not exist or comes before it, a leaf with more than eight triangles or
     /// some that do not exist, a box that is neither finite nor empty, or an empty one before another.
     Node(usize),
@@ -66,6 +70,7 @@ impl core::fmt::Display for Error {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
             Error::SurfaceCount => write!(f, "there must be one surface for each triangle"),
+            Error::Colours(i) => write!(f, "the colours of triangle {i} are missing or not from 0 to 1"),
             Error::Node(i) => {
                 write!(f, "node {i} refers to a child or a triangle that is not there, or a box is not a box")
             }

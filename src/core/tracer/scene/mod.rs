@@ -23,6 +23,8 @@ pub use surface::{MIN_ROUGHNESS, Material, NO_TEXTURE, Scattering, Surface, Text
 pub struct Scene<'a> {
     data: SceneData<'a>,
     inverse_power: f32,
+    cut_out: bool,
+    textured_light: bool,
 }
 
 impl<'a> Scene<'a> {
@@ -33,13 +35,30 @@ impl<'a> Scene<'a> {
     pub fn new(data: SceneData<'a>) -> Result<Self, Error> {
         check::check(&data)?;
         let power = total_power(&data);
-        Ok(Scene { data, inverse_power: if power > 0.0 { (1.0 / power) as f32 } else { 0.0 } })
+        Ok(Scene {
+            data,
+            inverse_power: if power > 0.0 { (1.0 / power) as f32 } else { 0.0 },
+            cut_out: data.materials.iter().any(Material::is_cut_out),
+            textured_light: data.materials.iter().any(|m| m.emission_texture != NO_TEXTURE),
+        })
     }
 
     /// The slices behind the scene.
     #[inline(always)]
     pub fn data(&self) -> &SceneData<'a> {
         &self.data
+    }
+
+    /// Whether light can pass through a surface without being scattered. Scenes where it cannot pay nothing for it.
+    #[inline(always)]
+    pub(crate) fn is_cut_out(&self) -> bool {
+        self.cut_out
+    }
+
+    /// Whether what a lamp emits differs from point to point.
+    #[inline(always)]
+    pub(crate) fn has_textured_light(&self) -> bool {
+        self.textured_light
     }
 
     /// One over the lights' total power (luminance times area, up to π).

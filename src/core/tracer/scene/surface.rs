@@ -2,7 +2,7 @@
 
 use bytemuck::{NoUninit, Pod, Zeroable};
 
-/// The value of [`Material::texture`] that means "none".
+/// The value of [`Material::texture`] and its other maps that means "none".
 pub const NO_TEXTURE: u32 = u32::MAX;
 
 /// A triangle's three corners. Its front is the side from which they run counter-clockwise.
@@ -59,8 +59,16 @@ pub struct Material {
     pub roughness: f32,
     /// Index of refraction of the inside over that of the outside.
     pub ior: f32,
-    /// Emitted radiance, on the front side only.
+    /// Emitted radiance, on the front side only. Where there is an `emission_texture` the texture's value is emitted instead,
+    /// and lamps are chosen by this: it should be near the mean over each triangle, and must not be 0 where the texture
+    /// is not.
     pub emission: [f32; 3],
+    /// Part of the surface that is there, 0 to 1: the rest lets light and sight straight through.
+    pub opacity: f32,
+    /// Index of the texture whose red multiplies `opacity`, or [`NO_TEXTURE`].
+    pub opacity_texture: u32,
+    /// Index of the texture of emitted radiance, or [`NO_TEXTURE`].
+    pub emission_texture: u32,
 }
 
 impl Default for Material {
@@ -74,12 +82,17 @@ impl Default for Material {
             roughness: 1.0,
             ior: 1.5,
             emission: [0.0; 3],
+            opacity: 1.0,
+            opacity_texture: NO_TEXTURE,
+            emission_texture: NO_TEXTURE,
         }
     }
 }
 
 /// A rectangle of texels in [`SceneData::texels`](crate::tracer::scene::SceneData::texels), row by row from the top, repeated over the plane.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+///
+/// It is looked up at coordinates times `scale` plus `offset`. Several textures may share texels.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Texture {
     /// Texels in a row, at least 1.
     pub width: u32,
@@ -87,17 +100,36 @@ pub struct Texture {
     pub height: u32,
     /// Index of the first texel.
     pub first: u32,
+    /// Factors of the coordinates.
+    pub scale: [f32; 2],
+    /// Added to the scaled coordinates.
+    pub offset: [f32; 2],
+    /// Whether coordinates outside of 0 to 1 get the texels of the edge, instead of the repeated texture.
+    pub clamp: bool,
+}
+
+impl Texture {
+    /// No texels, coordinates as they are.
+    pub const EMPTY: Texture =
+        Texture { width: 0, height: 0, first: 0, scale: [1.0; 2], offset: [0.0; 2], clamp: false };
 }
 
 impl Material {
-    /// Whether its numbers are in range and its texture is one of `textures`.
+    /// Whether light can pass through it without being scattered.
+    pub(super) fn is_cut_out(&self) -> bool {
+        self.opacity < 1.0 || self.opacity_texture != NO_TEXTURE
+    }
+
+    /// Whether its numbers are in range and its textures are among `textures`.
     pub(super) fn is_valid(&self, textures: usize) -> bool {
         let unit = |c: &[f32; 3]| c.iter().all(|v| (0.0..=1.0).contains(v));
         let emits = self.emission.iter().all(|v| v.is_finite() && *v >= 0.0);
-        let texture = self.texture == NO_TEXTURE || (self.texture as usize) < textures;
+        let known = |texture: u32| texture == NO_TEXTURE || (texture as usize) < textures;
+        let maps = [self.texture, self.opacity_texture, self.emission_texture].into_iter().all(known);
+        let opacity = (0.0..=1.0).contains(&self.opacity);
         let rough = (MIN_ROUGHNESS..=1.0).contains(&self.roughness);
         let ior = self.ior.is_finite() && self.ior > 0.0;
-        unit(&self.diffuse) && unit(&self.specular) && emits && texture && rough && ior
+        unit(&self.diffuse) && unit(&self.specular) && emits && maps && opacity && rough && ior
     }
 }
 

@@ -12,6 +12,7 @@
 //! The points of one pixel sample are consecutive points of its Sobol sets, and those of its successor follow: all
 //! points of a pixel are one well-spread sequence, which repeats after 2³² of them.
 
+use super::cutout::{self, Chance};
 use super::hit::SurfacePoints;
 use super::light::are_few;
 use super::path::{self, PathTracer, Traffic, Wavefront};
@@ -78,7 +79,7 @@ impl<'a> DirectLighting<'a> {
         let Samples { light, bsdf: scattered } = self.samples;
         let share = f32x8::splat(scattered as f32 / light as f32);
         let (scene, mut part) = (*self.paths.tracer.scene(), *paths);
-        let few = are_few(scene.data());
+        let few = are_few(&scene);
         let lights = lights(&scene, &mut part, surface);
         part.throughput = paths.throughput * f32x8::splat(1.0 / light as f32);
         for number in 0..light {
@@ -104,7 +105,7 @@ impl<'a> DirectLighting<'a> {
                 continue;
             }
             self.stray
-                .push(&next, alive.to_bitmask(), |packet| _ = arrive(tracer, &packet.unpack(), radiance));
+                .push(&next, alive.to_bitmask(), |packet| stray_arrives(tracer, &packet.unpack(), radiance));
         }
     }
 }
@@ -115,21 +116,26 @@ fn nth(paths: &Paths, count: u32, number: u32) -> u32x8 {
     paths.index * u32x8::splat(count) + u32x8::splat(number)
 }
 
+/// Traces a packet of rays along sampled directions and adds the light that they meet.
+fn stray_arrives(tracer: &mut PathTracer<'_>, paths: &Paths, radiance: &mut [Rgb8]) {
+    // Its paths may be of different depths, and several of one sample.
+    let salt = sobol::hash8(bytemuck::cast(paths.direction.x));
+    let chance = Chance { key: paths.key ^ salt, ..paths.chance(0) };
+    _ = arrive(tracer, paths, chance, radiance);
+}
+
 /// Traces a packet and adds what the surfaces that it meets emit; returns them, if there are any.
 #[inline(always)]
 pub(super) fn arrive(
     tracer: &mut PathTracer<'_>,
     paths: &Paths,
+    chance: Chance,
     radiance: &mut [Rgb8],
 ) -> Option<SurfacePoints> {
     let rays = paths.rays();
     tracer.traffic.packets += 1;
     tracer.traffic.rays += u64::from(paths.lanes);
-    let hits = tracer.tracer.closest(&rays);
-    if !hits.any() {
-        return None;
-    }
-    let surface = SurfacePoints::at(tracer.tracer.scene(), &rays, &hits);
+    let (surface, hits) = cutout::meet(&mut tracer.tracer, &rays, chance)?;
     tracer.add_emission(paths, &surface, &hits, radiance);
     Some(surface)
 }
@@ -141,7 +147,7 @@ impl<'a> Wavefront<'a> for DirectLighting<'a> {
 
     /// Takes one packet through one segment of its chain.
     fn bounce(&mut self, paths: &Paths, depth: u32, radiance: &mut [Rgb8]) {
-        let Some(surface) = arrive(&mut self.paths, paths, radiance) else { return };
+        let Some(surface) = arrive(&mut self.paths, paths, paths.chance(depth), radiance) else { return };
         if depth >= self.paths.max_depth {
             return;
         }
@@ -163,7 +169,7 @@ impl<'a> Wavefront<'a> for DirectLighting<'a> {
 
     fn finish(&mut self, radiance: &mut [Rgb8]) {
         let DirectLighting { paths, stray, .. } = self;
-        stray.drain(|packet| _ = arrive(paths, &packet.unpack(), radiance));
+        stray.drain(|packet| stray_arrives(paths, &packet.unpack(), radiance));
     }
 }
 

@@ -5,6 +5,7 @@
 //! shadows: a pixel costs one packet of coherent rays, and one more for every segment of a chain. The points are the same
 //! in every frame, whatever its seed; see [`Feature`] for what comes out.
 
+use super::cutout;
 use super::hit::SurfacePoints;
 use super::queue::Paths;
 use super::vertex::scatter_specular;
@@ -61,11 +62,8 @@ impl<'a> Features<'a> {
         for segment in 0..self.max_depth {
             let t_max = alive.select(f32x8::splat(f32::INFINITY), f32x8::splat(-1.0));
             let rays = Rays8 { origin: paths.origin, direction: paths.direction, t_max };
-            let hits = self.tracer.closest(&rays);
-            if !hits.any() {
-                break;
-            }
-            let surface = SurfacePoints::at(self.tracer.scene(), &rays, &hits);
+            let chance = paths.chance(segment + 1);
+            let Some((surface, hits)) = cutout::meet(&mut self.tracer, &rays, chance) else { break };
             seen.depth += surface.hit & hits.t;
             if segment == 0 {
                 seen.covered = surface.hit & f32x8::ONE;

@@ -13,6 +13,12 @@ pub(super) fn corners(data: &SceneData<'_>, triangle: [u32; 8]) -> [Vec3x8; 3] {
     [Vec3x8::new(ax, ay, az), Vec3x8::new(bx, by, bz), Vec3x8::new(cx, cy, cz)]
 }
 
+/// The colours at the corners of eight triangles. There must be colours.
+pub(super) fn colours(data: &SceneData<'_>, triangle: [u32; 8]) -> [Vec3x8; 3] {
+    let column = |i: usize| f32x8::from(triangle.map(|t| data.colours[t as usize].as_flattened()[i]));
+    [0, 3, 6].map(|corner| Vec3x8::new(column(corner), column(corner + 1), column(corner + 2)))
+}
+
 /// The surfaces of eight triangles.
 pub(super) struct Surfaces {
     /// Shading normals at the corners.
@@ -45,14 +51,17 @@ pub(super) struct Materials {
     pub roughness: f32x8,
     pub ior: f32x8,
     pub emission: Vec3x8,
+    pub opacity: f32x8,
+    pub opacity_texture: u32x8,
+    pub emission_texture: u32x8,
 }
 
 /// Fetches materials.
 #[inline(always)]
 pub(super) fn materials(data: &SceneData<'_>, material: [u32; 8]) -> Materials {
-    let row = |i: u32| bytemuck::cast_ref::<Material, [f32; 13]>(&data.materials[i as usize]);
+    let row = |i: u32| bytemuck::cast_ref::<Material, [f32; 16]>(&data.materials[i as usize]);
     let [dr, dg, db, scattering, texture, sr, sg, sb] = first(material.map(row));
-    let [_, _, _, roughness, ior, er, eg, eb] = last(material.map(row));
+    let [roughness, ior, er, eg, eb, opacity, mask, glow] = last(material.map(row));
     Materials {
         diffuse: Vec3x8::new(dr, dg, db),
         scattering: bytemuck::cast(scattering),
@@ -61,6 +70,9 @@ pub(super) fn materials(data: &SceneData<'_>, material: [u32; 8]) -> Materials {
         roughness,
         ior,
         emission: Vec3x8::new(er, eg, eb),
+        opacity,
+        opacity_texture: bytemuck::cast(mask),
+        emission_texture: bytemuck::cast(glow),
     }
 }
 

@@ -1,6 +1,6 @@
 //! What the surface is like where eight rays meet it.
 
-use super::fetch;
+use super::fetch::{self, Materials, Surfaces};
 use super::site::Sites;
 use crate::maths::vec3::Vec3x8;
 use crate::tracer::scene::{NO_TEXTURE, Scattering, Scene, SceneData, Texture};
@@ -31,6 +31,10 @@ pub(super) struct SurfacePoints {
     pub ior: f32x8,
     /// Radiance emitted on the front side.
     pub emission: Vec3x8,
+    /// What lamps are chosen by: the same, but for textures.
+    pub typical_emission: Vec3x8,
+    /// Part of the surface that is there, 0 to 1.
+    pub opacity: f32x8,
     /// Distance from the surface at which rays start.
     clearance: f32x8,
 }
@@ -51,10 +55,18 @@ impl SurfacePoints {
         let normal = shading_normal(interpolate(surface.normals, weights), front, rays.direction);
         let material = fetch::materials(data, surface.material);
         let mut diffuse = material.diffuse;
-        if material.texture.simd_ne(u32x8::splat(NO_TEXTURE)).any() {
-            let mix = |[a, b, c]: [f32x8; 3]| a * weights[0] + b * weights[1] + c * weights[2];
-            let (u, v) = (mix(surface.uv.map(|t| t.0)), mix(surface.uv.map(|t| t.1)));
-            diffuse = diffuse.scaled(textured(data, material.texture, u, v));
+        if is_some(material.texture).any() {
+            diffuse = diffuse.scaled(textured(data, material.texture, surface.coordinates(weights)));
+        }
+        if !data.colours.is_empty() {
+            diffuse = diffuse.scaled(interpolate(fetch::colours(data, triangle), weights));
+        }
+        let (mut emission, mut opacity) = (material.emission, f32x8::ONE);
+        if scene.has_textured_light() {
+            emission = shine(data, &surface, &material, weights);
+        }
+        if scene.is_cut_out() {
+            opacity = cover(data, &surface, &material, weights);
         }
         SurfacePoints {
             hit: bytemuck::cast(hit),
@@ -67,7 +79,9 @@ impl SurfacePoints {
             specular: material.specular,
             roughness: material.roughness,
             ior: material.ior,
-            emission: material.emission,
+            emission,
+            typical_emission: material.emission,
+            opacity,
             clearance: largest([a, b, c]) * f32x8::splat(CLEARANCE),
         }
     }
@@ -87,6 +101,8 @@ impl SurfacePoints {
             roughness: one,
             ior: one,
             emission: none,
+            typical_emission: none,
+            opacity: one,
             clearance: sites.reach * f32x8::splat(CLEARANCE),
         }
     }
@@ -133,8 +149,42 @@ fn shading_normal(smooth: Vec3x8, front: Vec3x8, direction: Vec3x8) -> Vec3x8 {
     Vec3x8::select(normal.dot(direction).simd_gt(f32x8::ZERO), -normal, normal)
 }
 
+impl Surfaces {
+    /// Texture coordinates at barycentric weights.
+    #[inline(always)]
+    fn coordinates(&self, weights: [f32x8; 3]) -> (f32x8, f32x8) {
+        let mix = |[a, b, c]: [f32x8; 3]| a * weights[0] + b * weights[1] + c * weights[2];
+        (mix(self.uv.map(|t| t.0)), mix(self.uv.map(|t| t.1)))
+    }
+}
+
+/// The lanes that have a texture.
+#[inline(always)]
+fn is_some(texture: u32x8) -> f32x8 {
+    bytemuck::cast(texture.simd_ne(u32x8::splat(NO_TEXTURE)))
+}
+
+/// Radiance emitted at points of eight triangles.
+fn shine(data: &SceneData<'_>, surface: &Surfaces, material: &Materials, weights: [f32x8; 3]) -> Vec3x8 {
+    let value = textured(data, material.emission_texture, surface.coordinates(weights));
+    Vec3x8::select(is_some(material.emission_texture), value, material.emission)
+}
+
+/// The part that is there of the surface at points of eight triangles.
+fn cover(data: &SceneData<'_>, surface: &Surfaces, material: &Materials, weights: [f32x8; 3]) -> f32x8 {
+    material.opacity * textured(data, material.opacity_texture, surface.coordinates(weights)).x
+}
+
+/// Mean radiance that points of eight triangles emit: of what is there, as a part of all.
+pub(super) fn visible_emission(scene: &Scene<'_>, triangle: [u32; 8], weights: [f32x8; 3]) -> Vec3x8 {
+    let data = scene.data();
+    let surface = fetch::surfaces(data, triangle);
+    let material = fetch::materials(data, surface.material);
+    shine(data, &surface, &material, weights) * cover(data, &surface, &material, weights)
+}
+
 /// Texture values by lane, white where a lane has none.
-fn textured(data: &SceneData<'_>, texture: u32x8, u: f32x8, v: f32x8) -> Vec3x8 {
+fn textured(data: &SceneData<'_>, texture: u32x8, (u, v): (f32x8, f32x8)) -> Vec3x8 {
     let (u, v) = (u.to_array(), v.to_array());
     let mut rgb = [[1.0f32; 8]; 3];
     for (lane, texture) in texture.to_array().into_iter().enumerate().filter(|t| t.1 != NO_TEXTURE) {
@@ -146,10 +196,12 @@ fn textured(data: &SceneData<'_>, texture: u32x8, u: f32x8, v: f32x8) -> Vec3x8 
     Vec3x8::new(rgb[0].into(), rgb[1].into(), rgb[2].into())
 }
 
-/// Bilinear interpolation between the four nearest texels of the repeated texture.
+/// Bilinear interpolation between the four nearest texels of the texture, repeated or clamped.
 fn bilinear(texture: &Texture, texels: &[[f32; 3]], u: f32, v: f32) -> [f32; 3] {
-    let (x0, x1, fx) = neighbours(u, texture.width);
-    let (y0, y1, fy) = neighbours(1.0 - v, texture.height);
+    let [u, v] = [(u, 0), (v, 1)].map(|(x, axis)| x * texture.scale[axis] + texture.offset[axis]);
+    let around = if texture.clamp { clamped } else { neighbours };
+    let (x0, x1, fx) = around(u, texture.width);
+    let (y0, y1, fy) = around(1.0 - v, texture.height);
     let texel =
         |x: u32, y: u32| texels[texture.first as usize + y as usize * texture.width as usize + x as usize];
     let mix = |a: [f32; 3], b: [f32; 3], f: f32| [0, 1, 2].map(|c| a[c] + (b[c] - a[c]) * f);
@@ -163,6 +215,14 @@ fn neighbours(u: f32, size: u32) -> (u32, u32, f32) {
     let below = libm::floorf(position);
     let first = if below < 0.0 { size - 1 } else { (below as u32).min(size - 1) };
     (first, (first + 1) % size, position - below)
+}
+
+/// The two texels around coordinate `u`, those of the edge beyond 0 and 1, and the weight of the second.
+fn clamped(u: f32, size: u32) -> (u32, u32, f32) {
+    let position = (u * size as f32 - 0.5).clamp(0.0, (size - 1) as f32);
+    let position = if position.is_finite() { position } else { 0.0 };
+    let first = position as u32;
+    (first, (first + 1).min(size - 1), position - first as f32)
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! From hits to radiance: materials, lights and the integrators that combine them.
 //!
 //! * `hit` – what the surface is like where a ray meets it; `fetch` – how its records are fetched;
+//! * [`cutout`] – surfaces that are only partly there;
 //! * `light` – picking a light and a point on it;
 //! * `rough`, `specular` – the scattering functions;
 //! * `vertex` – what happens where a path meets a surface;
@@ -10,6 +11,7 @@
 //! * [`features`] – what is seen without light;
 //! * [`shoot`], [`gather`] – photons from the lights, and the integrator that looks them up.
 
+pub mod cutout;
 pub mod direct;
 pub mod features;
 mod fetch;

@@ -9,6 +9,7 @@
 //! All randomness comes from the samples' own Sobol sets, three for each depth, whatever is traced beside it;
 //! only hits that are equal up to rounding can depend on the other rays of a packet.
 
+use super::cutout;
 use super::hit::SurfacePoints;
 use super::light::{self};
 use super::queue::{Paths, Queue, SLACK};
@@ -163,7 +164,11 @@ impl<'a> PathTracer<'a> {
         self.traffic.shadow_packets += 1;
         self.traffic.shadow_rays += u64::from(self.shadows.lanes());
         let rays = self.shadows.rays();
-        let free = self.shadows.take() & !self.tracer.occluded(&rays);
+        let free = match self.tracer.scene().is_cut_out() {
+            true => self.shadows.dim(cutout::transmitted(&mut self.tracer, &rays)),
+            false => !self.tracer.occluded(&rays),
+        };
+        let free = self.shadows.take() & free;
         self.shadows.deliver(free, radiance);
     }
 }
@@ -243,11 +248,9 @@ impl<'a> Wavefront<'a> for PathTracer<'a> {
         let rays = paths.rays();
         self.traffic.packets += 1;
         self.traffic.rays += u64::from(paths.lanes);
-        let hits = self.tracer.closest(&rays);
-        if !hits.any() {
+        let Some((surface, hits)) = cutout::meet(&mut self.tracer, &rays, paths.chance(depth)) else {
             return;
-        }
-        let surface = SurfacePoints::at(self.tracer.scene(), &rays, &hits);
+        };
         self.add_emission(paths, &surface, &hits, radiance);
         if depth >= self.max_depth {
             return;
@@ -264,7 +267,7 @@ impl<'a> Wavefront<'a> for PathTracer<'a> {
         reject_nan(&next, surface.hit, radiance);
         let alive = survivors(&mut next, surface.hit, depth);
         next.origin = surface.leave(next.direction);
-        if depth + 1 == self.max_depth && light::are_few(self.tracer.scene().data()) {
+        if depth + 1 == self.max_depth && light::are_few(self.tracer.scene()) {
             self.end_on_lights(&next, alive, radiance);
         } else {
             self.queue.push(&next, alive.to_bitmask());

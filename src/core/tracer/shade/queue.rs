@@ -3,6 +3,7 @@
 //! A path that survives a bounce is copied into the open packet of its direction's octant; a packet that is full
 //! joins the queue. So lanes stay full while paths end, and the rays of a packet keep a common order of slabs.
 
+use super::cutout::Chance;
 use crate::maths::vec3::Vec3x8;
 use crate::tracer::trace::Rays8;
 use wide::{f32x8, u32x8};
@@ -79,6 +80,12 @@ impl Packet {
 }
 
 impl Paths {
+    /// What decides at segment number `depth` whether cut-outs are met.
+    #[inline(always)]
+    pub fn chance(&self, depth: u32) -> Chance {
+        Chance { index: self.index, key: self.key, depth }
+    }
+
     /// The paths' rays, endless.
     #[inline(always)]
     pub fn rays(&self) -> Rays8 {

@@ -67,6 +67,14 @@ impl Shadows {
         }
     }
 
+    /// Dims what the rays carry to a part of it; returns the lanes in which anything is left, as bits.
+    pub fn dim(&mut self, part: f32x8) -> u32 {
+        for row in &mut self.rows[7..] {
+            *row = (f32x8::from(*row) * part).to_array();
+        }
+        part.simd_gt(f32x8::ZERO).to_bitmask()
+    }
+
     /// Adds the values of the lanes in `free` to their samples.
     #[inline(always)]
     pub fn deliver(&self, free: u32, radiance: &mut [Rgb8]) {

@@ -12,6 +12,7 @@
 //! Path number i is always the same (it has its own Sobol sets, keyed by seed and frame), so paths may be shot in
 //! parts, anywhere. Caustic paths that miss the box around all mirrors and glass are not even traced.
 
+use super::cutout;
 use super::hit::SurfacePoints;
 use super::light::Lights;
 use super::queue::{Packet, Paths, Queue, SLACK};
@@ -125,11 +126,7 @@ impl<'a> Shooter<'a> {
     /// Takes one packet through one segment; returns how many photons it has written.
     fn bounce(&mut self, map: Map, paths: &Paths, depth: u32, is_last: bool, out: &mut [Photon]) -> usize {
         let rays = paths.rays();
-        let hits = self.tracer.closest(&rays);
-        if !hits.any() {
-            return 0;
-        }
-        let surface = SurfacePoints::at(self.tracer.scene(), &rays, &hits);
+        let Some((surface, _)) = cutout::meet(&mut self.tracer, &rays, paths.chance(depth)) else { return 0 };
         let rough = surface.scatters(Scattering::Rough);
         let stored = store(map, paths, &surface, rough, depth, out);
         if is_last {

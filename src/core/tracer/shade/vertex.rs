@@ -42,7 +42,8 @@ pub(super) fn emitted(
     // Nobody aims at what is seen directly or in a mirror.
     let by_chance = lit & paths.density.simd_lt(f32x8::splat(f32::INFINITY));
     let receiver = || Receiver { position: paths.origin, normal: unpack_unit(paths.normal) };
-    let density = light::density(scene, receiver, hits.triangle, surface.emission, by_chance.to_bitmask());
+    let density =
+        light::density(scene, receiver, hits.triangle, surface.typical_emission, by_chance.to_bitmask());
     let aimed = density * hits.t * hits.t / surface.cosine;
     let weight = power_heuristic(paths.density, aimed);
     Some((paths.throughput.scaled(surface.emission) * weight, lit))

@@ -126,7 +126,7 @@ impl Hits8 {
 
     /// Nothing hit up to `t_max`.
     #[inline(always)]
-    pub(super) fn none(t_max: f32x8) -> Self {
+    pub(crate) fn none(t_max: f32x8) -> Self {
         Hits8 { t: t_max, u: f32x8::ZERO, v: f32x8::ZERO, triangle: u32x8::splat(MISS) }
     }
 }

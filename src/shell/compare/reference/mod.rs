@@ -189,8 +189,11 @@ fn fingerprint_of(picture_version: u32, scene: &LoadedScene, settings: &Settings
     add(bytemuck::cast_slice(&scene.triangles));
     add(bytemuck::cast_slice(&scene.surfaces));
     add(bytemuck::cast_slice(&scene.materials));
-    let textures: Vec<[u32; 3]> = scene.textures.iter().map(|t| [t.width, t.height, t.first]).collect();
-    add(bytemuck::cast_slice(&textures));
+    add(bytemuck::cast_slice(&scene.colours));
+    for t in &scene.textures {
+        add(bytemuck::cast_slice(&[t.width, t.height, t.first, u32::from(t.clamp)]));
+        add(bytemuck::cast_slice(&[t.scale, t.offset]));
+    }
     add(bytemuck::cast_slice(&scene.texels));
     let view = &settings.view;
     add(bytemuck::cast_slice(&[view.from, view.at, view.up]));

@@ -25,7 +25,7 @@ pub enum Layer {
     Variance,
     /// Samples of the pixel
     Count,
-    /// Weights of the last iteration; the channel is called `alpha`, which some programs take for coverage
+    /// Weights of the last iteration, which sum to 1
     Kernel,
 }
 
@@ -58,7 +58,7 @@ impl Layer {
             Layer::Motion => &["motion.X", "motion.Y"],
             Layer::Variance => &["variance"],
             Layer::Count => &["count"],
-            Layer::Kernel => &["alpha"],
+            Layer::Kernel => &["kernel.weight"],
         }
     }
 

@@ -2,7 +2,7 @@
 
 use super::value::{FieldOfView, Point, Positive, Power, Radiance, Scale};
 use crate::scene::track::{Interpolation, Swing, Track};
-use glam::Vec3;
+use glam::DVec3;
 use serde::Deserialize;
 use toml::Spanned;
 
@@ -77,7 +77,7 @@ pub(super) fn named<K: Key, V>(keys: &Keys<K>, value: impl Fn(&K) -> Option<V>) 
 pub(super) fn points<K: Key>(
     keys: &Keys<K>,
     blend: Interpolation,
-    still: Vec3,
+    still: DVec3,
     value: impl Fn(&K) -> Option<Point>,
 ) -> Track<3> {
     Track::new(still.to_array(), named(keys, |key| value(key).map(|v| v.0)), blend, Swing::Free)

@@ -8,10 +8,13 @@ mod value;
 use crate::scene::animation::Animation;
 use crate::scene::assemble::{Assembly, Shot, lamp};
 use crate::scene::error::{Error, read};
-use crate::scene::model::{Frames, View};
+use crate::scene::model::Frames;
 use crate::scene::object::Corner;
+use crate::scene::options::Options;
 use crate::scene::script::Script;
 use crate::scene::shapes;
+use crate::scene::source::looks_like_obj;
+use glam::DVec3;
 use keys::{Fault, Keys};
 use pmcip_core::tracer::scene::{Material, Scattering};
 use std::collections::BTreeMap;
@@ -49,18 +52,21 @@ impl Source<'_> {
 }
 
 /// Loads a scene file and all that it names.
-pub(super) fn load_scene(path: &Path, add_mesh: AddMesh) -> Result<Animation, Error> {
+pub(super) fn load_scene(path: &Path, add_mesh: AddMesh, options: &Options) -> Result<Animation, Error> {
     let text = read(path)?;
     let source = Source { path, text: &text };
+    if looks_like_obj(&text) {
+        return Err(Error::in_file(path, "it seems to be an OBJ: its name should end in .obj"));
+    }
     let scene: SceneFile = toml::from_str(&text).map_err(|e| source.toml_error(e))?;
     let blame = |(offset, message): Fault| source.error(offset, message);
     scene.check_keys().map_err(blame)?;
     let frames = scene.frames().map_err(blame)?;
     let mut script = Script { frames, moving: scene.moves(), ..Script::default() };
-    let mut assembly = Assembly::default();
+    let mut assembly = Assembly::new(options.strict);
     let mut names = BTreeMap::new();
     for (name, table) in &scene.materials {
-        let index = assembly.add_material(table.material());
+        let index = assembly.add_named(table.material(), name);
         names.insert(name.as_str(), index);
         if !table.keys.is_empty() {
             script.glows.push(table.glow(index));
@@ -87,22 +93,22 @@ pub(super) fn load_scene(path: &Path, add_mesh: AddMesh) -> Result<Animation, Er
         script.paths.push(sphere.track());
         add(&mut assembly, path, sphere.triangles(), find(&sphere.material)?);
     }
-    for light in &scene.lights {
+    for (number, light) in scene.lights.iter().enumerate() {
         let table = light.get_ref();
         table.placement(script.first_frame()).map_err(|m| source.error(light.span().start, m))?;
         script.paths.push(table.track());
-        let material = assembly.add_material(table.material());
+        let material = assembly.add_named(table.material(), &format!("[[lights]] number {}", number + 1));
         add(&mut assembly, path, shapes::square(), material);
         script.glows.push(table.glow(material));
     }
     let camera = scene.camera.as_ref();
-    let view = camera.map(|camera| {
-        let view = camera.get_ref().track().at(script.first_frame());
-        view.map_err(|m| source.error(camera.span().start, m))
+    let track = camera.map(|camera| {
+        let track = camera.get_ref().track();
+        let view = track.at(script.first_frame(), DVec3::ZERO);
+        view.map(|_| track).map_err(|m| source.error(camera.span().start, m))
     });
-    let moving = camera.filter(|camera| !camera.get_ref().keys.is_empty());
-    script.camera = moving.map(|camera| camera.get_ref().track());
-    assembly.finish(path, scene.shot(view.transpose()?), script)
+    script.camera = track.transpose()?;
+    assembly.finish(path, scene.shot(), options, script)
 }
 
 /// Adds triangles as an object.
@@ -112,22 +118,20 @@ fn add(
     triangles: impl IntoIterator<Item = [Corner; 3]>,
     material: u32,
 ) {
-    assembly.begin(path);
+    assembly.begin(path, DVec3::ZERO);
     triangles.into_iter().for_each(|triangle| assembly.add(triangle, material));
 }
 
 impl SceneFile {
-    fn shot(&self, view: Option<View>) -> Shot {
+    fn shot(&self) -> Shot {
         let default = Shot::default();
         Shot {
-            view,
             width: self.film.width.map_or(default.width, |v| v.0),
             height: self.film.height.map_or(default.height, |v| v.0),
             cd_per_unit: self.film.cd_per_unit.map_or(default.cd_per_unit, |v| v.0),
             exposure: self.film.exposure.map_or(default.exposure, |v| v.0),
             spp: self.render.spp.map(Into::into),
             max_depth: self.render.max_depth.map(Into::into),
-            soft_box: false,
         }
     }
 

@@ -6,18 +6,23 @@ use super::value::{Point, Scale};
 use crate::scene::place::Placement;
 use crate::scene::script::{CameraTrack, GlowTrack, ObjectTrack};
 use crate::scene::track::{Interpolation, Swing, Track, Turn};
-use glam::{Quat, Vec3};
+use glam::{DVec3, Quat, Vec3};
 
 impl CameraTable {
     /// The camera over time.
     pub fn track(&self) -> CameraTrack {
         let (keys, blend) = (&self.keys, self.interpolation);
-        let up = self.up.map_or(Vec3::Y, |up| up.vec3());
+        let up = self.up.map_or(DVec3::Y, |up| up.exact());
         CameraTrack {
-            from: points(keys, blend, self.from.vec3(), |k| k.from),
-            at: points(keys, blend, self.at.vec3(), |k| k.at),
+            from: points(keys, blend, self.from.exact(), |k| k.from),
+            at: points(keys, blend, self.at.exact(), |k| k.at),
             up: points(keys, blend, up, |k| k.up),
-            fov: Track::new([self.fov.0], named(keys, |k| k.fov.map(|v| [v.0])), blend, Swing::Bounded),
+            fov: Track::new(
+                [self.fov.0.into()],
+                named(keys, |k| k.fov.map(|v| [v.0.into()])),
+                blend,
+                Swing::Bounded,
+            ),
         }
     }
 }
@@ -44,8 +49,8 @@ impl MeshTable {
             }
             last = Some(scale);
         }
-        let still = self.scale.map_or(Vec3::ONE, Scale::factors).to_array();
-        let scales = named(keys, |k| k.scale.map(|v| v.factors().to_array()));
+        let still = self.scale.map_or(Vec3::ONE, Scale::factors).as_dvec3().to_array();
+        let scales = named(keys, |k| k.scale.map(|v| v.factors().as_dvec3().to_array()));
         Ok(ObjectTrack::Mesh {
             scale: Track::new(still, scales, blend, Swing::Bounded),
             rotate: Turn::new(
@@ -53,7 +58,9 @@ impl MeshTable {
                 named(keys, |k| k.rotate.map(rotation)),
                 blend,
             ),
-            translate: points(keys, blend, self.translate.map_or(Vec3::ZERO, |v| v.vec3()), |k| k.translate),
+            translate: points(keys, blend, self.translate.map_or(DVec3::ZERO, |v| v.exact()), |k| {
+                k.translate
+            }),
         })
     }
 
@@ -69,10 +76,10 @@ impl SphereTable {
     /// The sphere's place over time.
     pub fn track(&self) -> ObjectTrack {
         let (keys, blend) = (&self.keys, self.interpolation);
-        let radii = named(keys, |k| k.radius.map(|v| [v.0]));
+        let radii = named(keys, |k| k.radius.map(|v| [v.0.into()]));
         ObjectTrack::Sphere {
-            center: points(keys, blend, self.center.vec3(), |k| k.center),
-            radius: Track::new([self.radius.0], radii, blend, Swing::Bounded),
+            center: points(keys, blend, self.center.exact(), |k| k.center),
+            radius: Track::new([self.radius.0.into()], radii, blend, Swing::Bounded),
         }
     }
 }
@@ -82,9 +89,9 @@ impl LightTable {
     pub fn track(&self) -> ObjectTrack {
         let (keys, blend) = (&self.keys, self.interpolation);
         ObjectTrack::Light {
-            center: points(keys, blend, self.center.vec3(), |k| k.center),
-            edge_u: points(keys, blend, self.edge_u.vec3(), |k| k.edge_u),
-            edge_v: points(keys, blend, self.edge_v.vec3(), |k| k.edge_v),
+            center: points(keys, blend, self.center.exact(), |k| k.center),
+            edge_u: points(keys, blend, self.edge_u.exact(), |k| k.edge_u),
+            edge_v: points(keys, blend, self.edge_v.exact(), |k| k.edge_v),
         }
     }
 
@@ -99,16 +106,16 @@ impl LightTable {
     /// The radiance over time, of this material.
     pub fn glow(&self, material: u32) -> GlowTrack {
         let (keys, blend) = (&self.keys, self.interpolation);
-        let powers = named(keys, |k| k.power.map(|v| [v.0]));
+        let powers = named(keys, |k| k.power.map(|v| [v.0.into()]));
         GlowTrack {
             material,
             emission: Track::new(
-                self.radiance.0,
-                named(keys, |k| k.radiance.map(|v| v.0)),
+                self.radiance.0.map(f64::from),
+                named(keys, |k| k.radiance.map(|v| v.0.map(f64::from))),
                 blend,
                 Swing::Bounded,
             ),
-            power: Track::new([self.power.map_or(1.0, |v| v.0)], powers, blend, Swing::Bounded),
+            power: Track::new([self.power.map_or(1.0, |v| v.0.into())], powers, blend, Swing::Bounded),
         }
     }
 }
@@ -117,8 +124,8 @@ impl MaterialTable {
     /// The emission over time, of this material.
     pub fn glow(&self, material: u32) -> GlowTrack {
         let (keys, blend) = (&self.keys, self.interpolation);
-        let emissions = named(keys, |k| k.emission.map(|v| v.0));
-        let still = self.emission.map_or([0.0; 3], |v| v.0);
+        let emissions = named(keys, |k| k.emission.map(|v| v.0.map(f64::from)));
+        let still = self.emission.map_or([0.0; 3], |v| v.0.map(f64::from));
         GlowTrack {
             material,
             emission: Track::new(still, emissions, blend, Swing::Bounded),

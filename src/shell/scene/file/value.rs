@@ -1,7 +1,7 @@
 //! Numbers of the scene file, checked as they are read, so that an error knows its line.
 
 use crate::scene::model::MAX_SIZE;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use pmcip_core::tracer::scene::MIN_ROUGHNESS;
 use serde::{Deserialize, Deserializer, de::Error};
 
@@ -52,7 +52,7 @@ checked!(
 );
 checked!(
     /// A point, a direction, three angles.
-    Point([f32; 3]), "three finite numbers", |v| v.iter().all(|v| v.is_finite())
+    Point([f64; 3]), "three finite numbers", |v| v.iter().all(|v| v.abs() <= f64::from(f32::MAX))
 );
 checked!(
     /// A colour that takes no more light than there is.
@@ -94,6 +94,11 @@ impl Scale {
 impl Point {
     /// As a vector.
     pub fn vec3(self) -> Vec3 {
-        Vec3::from_array(self.0)
+        self.exact().as_vec3()
+    }
+
+    /// As a vector of double precision.
+    pub fn exact(self) -> DVec3 {
+        DVec3::from_array(self.0)
     }
 }

@@ -18,6 +18,8 @@ impl SurfacePoints {
             roughness: f32x8::splat(material.roughness),
             ior: f32x8::splat(material.ior),
             emission: Vec3x8::splat(material.emission),
+            typical_emission: Vec3x8::splat(material.emission),
+            opacity: f32x8::ONE,
             clearance: f32x8::ZERO,
         }
     }
@@ -39,8 +41,10 @@ const TEXELS: [[f32; 3]; 12] = {
     }
     texels
 };
-const TEXTURES: [Texture; 2] =
-    [Texture { width: 3, height: 2, first: 0 }, Texture { width: 2, height: 3, first: 6 }];
+const TEXTURES: [Texture; 2] = [
+    Texture { width: 3, height: 2, first: 0, ..Texture::EMPTY },
+    Texture { width: 2, height: 3, first: 6, ..Texture::EMPTY },
+];
 
 fn dot(a: Vector, b: Vector) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]

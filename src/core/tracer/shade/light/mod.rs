@@ -35,8 +35,7 @@ pub(super) struct LightPoints {
 
 /// The lights as they are picked for eight receivers.
 pub(super) struct Lights<'a> {
-    data: &'a SceneData<'a>,
-    inverse_power: f32,
+    scene: &'a Scene<'a>,
     tree: Option<Root<'a>>,
 }
 
@@ -46,39 +45,44 @@ impl<'a> Lights<'a> {
     pub fn new(scene: &'a Scene<'_>, receiver: impl FnOnce() -> Receiver) -> Self {
         let data = scene.data();
         let tree = (!data.light_nodes.is_empty()).then(|| Root::new(data.light_nodes, receiver()));
-        Lights { data, inverse_power: scene.inverse_power(), tree }
+        Lights { scene, tree }
     }
 
     /// The lights by power alone, without a receiver. The scene must have one.
     pub fn by_power(scene: &'a Scene<'_>) -> Self {
-        Lights { data: scene.data(), inverse_power: scene.inverse_power(), tree: None }
+        Lights { scene, tree: None }
     }
 
     /// Picks points on the lights from uniform numbers `u`, `v` in `[0, 1)`.
     #[inline(always)]
     pub fn sample(&self, u: f32x8, v: f32x8) -> LightPoints {
-        let data = self.data;
+        let data = self.scene.data();
         let picked = self.tree.as_ref().map_or_else(|| by_power(data, u), |tree| tree.pick(u));
         let triangle = picked.light.map(|i| data.lights[i as usize].triangle);
         let [a, b, c] = fetch::corners(data, triangle);
         let root = picked.again.sqrt();
         let position = a + (b - a) * (root * (f32x8::ONE - v)) + (c - a) * (root * v);
         let material = triangle.map(|i| data.surfaces[i as usize].material);
-        let radiance = fetch::materials(data, material).emission;
+        let typical = fetch::materials(data, material).emission;
+        let mut radiance = typical;
+        if self.scene.has_textured_light() || self.scene.is_cut_out() {
+            let weights = [f32x8::ONE - root, root * (f32x8::ONE - v), root * v];
+            radiance = hit::visible_emission(self.scene, triangle, weights);
+        }
         let across = (b - a).cross(c - a);
         let inverse = f32x8::ONE / across.length();
         let exact_density = picked.probability * f32x8::splat(2.0) * inverse;
         let density = match self.tree {
             Some(_) => exact_density,
-            None => luminance8(radiance.into()) * f32x8::splat(self.inverse_power),
+            None => luminance8(typical.into()) * f32x8::splat(self.scene.inverse_power()),
         };
         let clearance = hit::largest([a, b, c]) * f32x8::splat(hit::CLEARANCE);
         LightPoints { position, normal: across * inverse, radiance, density, exact_density, clearance }
     }
 }
 
-/// The density per unit area that [`Lights::sample`] has for `receiver` on triangles of radiance `emission`, in the
-/// lanes whose bit is set in `lanes`.
+/// The density per unit area that [`Lights::sample`] has for `receiver` on triangles of typical radiance `emission`, in
+/// the lanes whose bit is set in `lanes`.
 #[inline(always)]
 pub(super) fn density(
     scene: &Scene<'_>,
@@ -124,8 +128,9 @@ const STEPS: f32 = (1 << 24) as f32;
 
 /// Whether to look for the lights that a ray meets one by one, before what may be in between.
 #[inline(always)]
-pub(super) fn are_few(data: &SceneData<'_>) -> bool {
-    data.lights.len() <= SHORT
+pub(super) fn are_few(scene: &Scene<'_>) -> bool {
+    // Through a cut-out lamp another one may be seen.
+    scene.data().lights.len() <= SHORT && !scene.is_cut_out()
 }
 
 /// Tables up to this length are searched from the front.

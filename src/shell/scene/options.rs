@@ -1,0 +1,54 @@
+//! How a scene is loaded.
+
+use super::model::View;
+use glam::DVec3;
+
+/// What lights a scene.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum LightChoice {
+    /// Its own lamps; an OBJ that has none, or that they leave in the dark, gets a lamp by the camera
+    #[default]
+    Auto,
+    /// Its own lamps alone
+    Own,
+    /// A lamp by the camera beside its own
+    Sky,
+}
+
+/// What a user says of the camera, in the file's coordinates; the rest is the scene's own.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Eye {
+    /// The eye.
+    pub from: Option<[f64; 3]>,
+    /// A point in the middle of the image.
+    pub at: Option<[f64; 3]>,
+    /// A direction that points up in the image.
+    pub up: Option<[f32; 3]>,
+    /// Vertical field of view in degrees.
+    pub fov: Option<f32>,
+}
+
+/// How a scene is loaded.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Options {
+    /// Whether a line of a mesh or material file that means nothing is an error, instead of left out with a warning.
+    pub strict: bool,
+    /// What lights it.
+    pub light: LightChoice,
+    /// From where the lamp by the camera shines.
+    pub eye: Eye,
+}
+
+impl Eye {
+    /// The view that results from that of the scene, whose coordinates begin at `origin`.
+    pub fn applied(&self, view: &View, origin: [f64; 3]) -> View {
+        let local =
+            |point: [f64; 3]| (DVec3::from_array(point) - DVec3::from_array(origin)).as_vec3().to_array();
+        View {
+            from: self.from.map_or(view.from, local),
+            at: self.at.map_or(view.at, local),
+            up: self.up.unwrap_or(view.up),
+            fov: self.fov.unwrap_or(view.fov),
+        }
+    }
+}

@@ -1,0 +1,40 @@
+//! Mesh, material and picture files of any bytes: loading them must end, without a panic, in an error of one line or in a
+//! scene that the core accepts. Shared with the fuzz targets `obj`, `mtl` and `texture`.
+
+use pmcip::scene::{Animation, LightChoice, Options};
+use pmcip_core::tracer::scene::Scene;
+use std::fs;
+use std::path::Path;
+
+/// Statements of all kinds.
+pub const OBJ: &[u8] =
+    b"mtllib s.mtl\nv 0 0 0\nv 1 0 0 1 0 0\nv 1 1 0.5\nv 0 1 0\nv .4 .5 0\nvt 0 0\nvt 1 .5\nvn 0 0 1\n\
+    usemtl m # one\nf 1/1/1 2/2 3//1 4 \\\n 5\nusemtl n\nf -1 -2 -3\nl 1 2\n#MRGB ff00ff00\nf 2 4 5\n";
+/// Statements of all kinds.
+pub const MTL: &[u8] = b"newmtl m\nKd .5 .5 .5\nKs .1\nNs 20\nd .5\nTr .5\nTf 1 1 1\nNi 1.5\nillum 4\nmap_Kd -s 2 2 2 -clamp on t.png\n\
+    map_d t.png -bm 1\nmap_Bump b.png\nnewmtl n\nKe 1 2 3\nmap_Ke -o 1 t.png\nPr .5\nPm 1\n";
+
+/// The bytes of a picture with alpha.
+pub fn picture() -> Vec<u8> {
+    let pixels =
+        image::RgbaImage::from_fn(3, 2, |x, y| image::Rgba([80 * x as u8, 200 * y as u8, 90, 127 * x as u8]));
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    image::DynamicImage::ImageRgba8(pixels)
+        .write_to(&mut bytes, image::ImageFormat::Png)
+        .expect("memory takes it");
+    bytes.into_inner()
+}
+
+/// Loads these files, written into `folder`, in both ways.
+pub fn load(folder: &Path, obj: &[u8], mtl: &[u8], picture: &[u8]) {
+    for (name, bytes) in [("s.obj", obj), ("s.mtl", mtl), ("t.png", picture)] {
+        fs::write(folder.join(name), bytes).expect("the folder can be written");
+    }
+    for (strict, light) in [(false, LightChoice::Auto), (true, LightChoice::Own)] {
+        let options = Options { strict, light, ..Options::default() };
+        match Animation::open(&folder.join("s.obj"), &options) {
+            Ok(animation) => assert_eq!(Scene::new(animation.scene().data()).err(), None),
+            Err(error) => assert!(!error.to_string().contains('\n'), "{error}"),
+        }
+    }
+}
