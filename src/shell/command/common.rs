@@ -7,7 +7,7 @@ use pmcip::error::Error;
 use pmcip::frame::probe;
 use pmcip::frame::render::{self, Frame};
 use pmcip::frame::settings::{Method, Settings};
-use pmcip::scene::{Animation, LoadedScene, View};
+use pmcip::scene::{Animation, LoadedScene, SkyMap, View};
 use std::io::Write;
 
 /// Why a command ended without success.
@@ -30,9 +30,14 @@ pub fn failed(reason: impl ToString) -> Failure {
 
 /// Loads a scene that can be rendered, and passes on what the loader noticed.
 pub fn load(common: &Common) -> Result<Animation, Failure> {
-    let animation = Animation::load_lit(&common.scene).map_err(bad)?;
+    let sky = common.sky.as_ref().map(|file| SkyMap::load(file)).transpose().map_err(bad)?;
+    let (animation, warnings) = match sky {
+        None => (Animation::load_lit(&common.scene).map_err(bad)?, Vec::new()),
+        Some((sky, warnings)) => (Animation::load(&common.scene).map_err(bad)?.under(sky), warnings),
+    };
     if !common.quiet {
-        animation.scene().warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
+        let all = animation.scene().warnings.iter().chain(&warnings);
+        all.for_each(|warning| eprintln!("warning: {warning}"));
     }
     Ok(animation)
 }
@@ -54,6 +59,8 @@ pub fn path_settings(scene: &LoadedScene, common: &Common, method: Method, spp: 
     settings.max_depth = common.max_depth.unwrap_or(settings.max_depth);
     settings.sampler.seed = common.seed;
     settings.view = view(common, scene.view);
+    let closing = scene.closing_view.map(|closing| view(common, closing));
+    settings.closing_view = closing.filter(|closing| *closing != settings.view);
     settings
 }
 
@@ -64,6 +71,8 @@ pub fn view(common: &Common, scene: View) -> View {
         at: common.look_at.unwrap_or(scene.at),
         up: common.up.unwrap_or(scene.up),
         fov: common.fov.unwrap_or(scene.fov),
+        aperture: common.aperture.unwrap_or(scene.aperture),
+        focus: common.focus.or(scene.focus),
     }
 }
 

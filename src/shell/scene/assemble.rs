@@ -4,10 +4,10 @@ use super::animation::Animation;
 use super::error::Error;
 use super::model::{LoadedScene, View};
 use super::object::{Corner, Object, Piece};
-use super::place::Placement;
-use super::script::{ObjectTrack, Script};
+use super::pose;
+use super::script::Script;
+use super::sky::SkyMap;
 use super::texture::TextureCache;
-use super::{pose, shapes};
 use glam::Vec3;
 use pmcip_core::tracer::scene::Material;
 use pmcip_core::tracer::scene::light;
@@ -17,9 +17,10 @@ use std::path::Path;
 pub(super) const DEFAULT_FOV: f32 = 39.3;
 
 /// What the scene file or the lack of one says about the image.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Shot {
     pub view: Option<View>,
+    pub sky: Option<SkyMap>,
     pub width: u32,
     pub height: u32,
     pub cd_per_unit: f32,
@@ -27,20 +28,21 @@ pub(super) struct Shot {
     pub spp: Option<u32>,
     pub max_depth: Option<u32>,
     /// Whether a scene without light gets one.
-    pub soft_box: bool,
+    pub soft_light: bool,
 }
 
 impl Default for Shot {
     fn default() -> Self {
         Shot {
             view: None,
+            sky: None,
             width: 512,
             height: 512,
             cd_per_unit: 100.0,
             exposure: 0.0,
             spp: None,
             max_depth: None,
-            soft_box: false,
+            soft_light: false,
         }
     }
 }
@@ -81,17 +83,17 @@ impl Assembly {
     }
 
     /// Poses all objects for the first frame of `script`, and frames the view if there is none.
-    pub fn finish(mut self, path: &Path, shot: Shot, mut script: Script) -> Result<Animation, Error> {
+    pub fn finish(mut self, path: &Path, shot: Shot, script: Script) -> Result<Animation, Error> {
         let blame = |message| Error::in_file(path, message);
         let frame = script.first_frame();
-        let mut placements = script.placements(frame).map_err(blame)?;
+        let placements = script.placements(frame).map_err(blame)?;
         let mut geometry = pose::place(&self.objects, &placements).map_err(blame)?;
         let view = shot.view.unwrap_or_else(|| frame_view(geometry.bounds, shot.width, shot.height));
-        if shot.soft_box && light::count(&geometry.surfaces, &self.materials) == 0 {
-            self.add_soft_box(path, &view);
-            script.paths.push(ObjectTrack::Still);
-            placements = script.placements(frame).map_err(blame)?;
-            geometry = pose::place(&self.objects, &placements).map_err(blame)?;
+        let mut sky = shot.sky;
+        if shot.soft_light && sky.is_none() && light::count(&geometry.surfaces, &self.materials) == 0 {
+            let why = "no light: no material has an emission (Ke); a soft sky and a key light instead";
+            self.warn(format!("{}: {why}", path.display()));
+            sky = Some(SkyMap::soft(&view));
         }
         geometry.sort();
         let (textures, texels) = self.textures.into_parts();
@@ -109,7 +111,9 @@ impl Assembly {
             texels,
             lights: Vec::new(),
             light_nodes: Vec::new(),
+            sky,
             view,
+            closing_view: None,
             width: shot.width,
             height: shot.height,
             cd_per_unit: shot.cd_per_unit,
@@ -120,32 +124,6 @@ impl Assembly {
         };
         geometry.warnings.into_iter().for_each(|warning| scene.warn(warning));
         Animation::new(scene, self.objects, script, frame)
-    }
-
-    /// Lights the scene as a photographer would: from behind the camera, above it and to its left. A white surface
-    /// that faces the lamp in the middle of the picture gets radiance 1.
-    fn add_soft_box(&mut self, path: &Path, view: &View) {
-        /// Half its side, in distances from what it lights.
-        const HALF: f32 = 0.25;
-        let (from, at) = (Vec3::from(view.from), Vec3::from(view.at));
-        let (back, up) = (from - at, Vec3::from(view.up).normalize());
-        let left = up.cross(-back);
-        let center = from + 0.35 * back + 0.6 * back.length() * up + 0.45 * left;
-        let (shine, distance) = ((at - center).normalize(), at.distance(center));
-        let across = shine.cross(up).normalize();
-        let [u, v] = [across, shine.cross(across)].map(|edge| HALF * distance * edge);
-        // Irradiance is radiance times area over the squared distance: π makes white shine with 1.
-        let radiance = std::f32::consts::PI / (4.0 * HALF * HALF);
-        let material = self.add_material(lamp([radiance; 3]));
-        let place = Placement::rectangle(center, u, v);
-        self.begin(path);
-        for triangle in shapes::square() {
-            self.add(triangle.map(|c| Corner { position: place.position(c.position), ..c }), material);
-        }
-        let name = path.display();
-        self.warn(format!(
-            "{name}: no light: no material has an emission (Ke); a lamp behind the camera instead"
-        ));
     }
 }
 
@@ -169,5 +147,7 @@ fn frame_view((low, high): (Vec3, Vec3), width: u32, height: u32) -> View {
         at: centre.to_array(),
         up: Vec3::Y.to_array(),
         fov: DEFAULT_FOV,
+        aperture: 0.0,
+        focus: None,
     }
 }

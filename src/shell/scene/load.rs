@@ -18,7 +18,7 @@ impl Animation {
     }
 
     /// Loads a scene to be rendered: as [`load`](Self::load), but something shines in it. An OBJ without light gets a
-    /// lamp behind the camera, and a warning that says so.
+    /// soft sky and a key light, and a warning that says so.
     ///
     /// # Errors
     /// As [`load`](Self::load), and if a scene file has no light.
@@ -32,11 +32,11 @@ impl Animation {
 }
 
 /// An OBJ as a scene of its own: default film, a camera framed on it, lights from its materials, or if none of them
-/// shines and `soft_box` allows it, a lamp behind the camera.
-fn bare_obj(path: &Path, soft_box: bool) -> Result<Animation, Error> {
+/// shines and `soft_light` allows it, a soft sky and a key light.
+fn bare_obj(path: &Path, soft_light: bool) -> Result<Animation, Error> {
     let mut assembly = Assembly::default();
     obj::add_mesh(&mut assembly, path, None)?;
-    assembly.finish(path, Shot { soft_box, ..Shot::default() }, Script::still(1))
+    assembly.finish(path, Shot { soft_light, ..Shot::default() }, Script::still(1))
 }
 
 /// Loads a scene file, or an OBJ as a scene of its own; of an animation the first frame.
@@ -47,8 +47,8 @@ pub fn load(path: &Path) -> Result<LoadedScene, Error> {
     Animation::load(path).map(Animation::into_scene)
 }
 
-/// Loads a scene to be rendered: as [`load`], but something shines in it. An OBJ without light gets a lamp behind the
-/// camera, and a warning that says so.
+/// Loads a scene to be rendered: as [`load`], but something shines in it. An OBJ without light gets a soft sky and
+/// a key light, and a warning that says so.
 ///
 /// # Errors
 /// As [`load`], and if a scene file has no light.

@@ -12,12 +12,13 @@
 //! The points of one pixel sample are consecutive points of its Sobol sets, and those of its successor follow: all
 //! points of a pixel are one well-spread sequence, which repeats after 2³² of them.
 
+use super::emitters::Emitters;
 use super::hit::SurfacePoints;
 use super::light::are_few;
 use super::path::{self, PathTracer, Traffic, Wavefront};
 use super::queue::{Open, Packet, Paths};
 use super::rough::Rough;
-use super::vertex::{self, Frame, SETS, aim, lights, scatter, scatter_specular};
+use super::vertex::{self, Frame, SETS, scatter, scatter_specular};
 use crate::maths::sobol;
 use crate::sampler::batch::{Batch8, Integrand, Rgb8};
 use crate::tracer::camera::Camera;
@@ -78,12 +79,12 @@ impl<'a> DirectLighting<'a> {
         let Samples { light, bsdf: scattered } = self.samples;
         let share = f32x8::splat(scattered as f32 / light as f32);
         let (scene, mut part) = (*self.paths.tracer.scene(), *paths);
-        let few = are_few(scene.data());
-        let lights = lights(&scene, &mut part, surface);
+        let few = are_few(&scene);
+        let emitters = Emitters::new(&scene, &mut part, surface);
         part.throughput = paths.throughput * f32x8::splat(1.0 / light as f32);
         for number in 0..light {
-            let (u, v) = sobol::point(nth(paths, light, number), paths.key, SETS * depth - 2);
-            let shadow = aim(&part, surface, &frame, &bsdf, &lights.sample(u, v), share);
+            let point = sobol::point(nth(paths, light, number), paths.key, SETS * depth - 2);
+            let shadow = emitters.aim(&part, surface, &frame, &bsdf, point, share);
             self.paths.queue_shadows(&shadow, rough, radiance);
         }
         part.throughput = paths.throughput * f32x8::splat(1.0 / scattered as f32);
@@ -103,11 +104,15 @@ impl<'a> DirectLighting<'a> {
                 tracer.end_on_lights(&next, alive, radiance);
                 continue;
             }
-            self.stray
-                .push(&next, alive.to_bitmask(), |packet| _ = arrive(tracer, &packet.unpack(), radiance));
+            self.stray.push(&next, alive.to_bitmask(), |packet| {
+                _ = arrive(tracer, &packet.unpack(), STRAY, radiance)
+            });
         }
     }
 }
+
+/// Any depth of segments that do not come from the eye.
+const STRAY: u32 = 2;
 
 /// Number in a Sobol set of the `number`-th of `count` points that each sample takes from it.
 #[inline(always)]
@@ -115,17 +120,20 @@ fn nth(paths: &Paths, count: u32, number: u32) -> u32x8 {
     paths.index * u32x8::splat(count) + u32x8::splat(number)
 }
 
-/// Traces a packet and adds what the surfaces that it meets emit; returns them, if there are any.
+/// Traces a packet, segment number `depth` of its paths, and adds what it meets of surfaces that emit and of the sky;
+/// returns the surfaces, if there are any.
 #[inline(always)]
 pub(super) fn arrive(
     tracer: &mut PathTracer<'_>,
     paths: &Paths,
+    depth: u32,
     radiance: &mut [Rgb8],
 ) -> Option<SurfacePoints> {
     let rays = paths.rays();
     tracer.traffic.packets += 1;
     tracer.traffic.rays += u64::from(paths.lanes);
     let hits = tracer.tracer.closest(&rays);
+    tracer.add_sky(paths, &hits, depth, radiance);
     if !hits.any() {
         return None;
     }
@@ -141,12 +149,12 @@ impl<'a> Wavefront<'a> for DirectLighting<'a> {
 
     /// Takes one packet through one segment of its chain.
     fn bounce(&mut self, paths: &Paths, depth: u32, radiance: &mut [Rgb8]) {
-        let Some(surface) = arrive(&mut self.paths, paths, radiance) else { return };
+        let Some(surface) = arrive(&mut self.paths, paths, depth, radiance) else { return };
         if depth >= self.paths.max_depth {
             return;
         }
         let rough = surface.scatters(Scattering::Rough);
-        if rough.any() && !self.paths.tracer.scene().data().lights.is_empty() {
+        if rough.any() && self.paths.tracer.scene().is_lit() {
             self.light(paths, &surface, rough, depth, radiance);
         }
         let specular = surface.hit & !rough;
@@ -163,7 +171,7 @@ impl<'a> Wavefront<'a> for DirectLighting<'a> {
 
     fn finish(&mut self, radiance: &mut [Rgb8]) {
         let DirectLighting { paths, stray, .. } = self;
-        stray.drain(|packet| _ = arrive(paths, &packet.unpack(), radiance));
+        stray.drain(|packet| _ = arrive(paths, &packet.unpack(), STRAY, radiance));
     }
 }
 

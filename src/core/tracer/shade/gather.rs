@@ -229,7 +229,7 @@ impl<'a> Wavefront<'a> for Gather<'a> {
 
     /// Takes one packet through one segment.
     fn bounce(&mut self, paths: &Paths, depth: u32, radiance: &mut [Rgb8]) {
-        let Some(mut surface) = arrive(&mut self.paths, &seeing(paths), radiance) else { return };
+        let Some(mut surface) = arrive(&mut self.paths, &seeing(paths), depth, radiance) else { return };
         if depth >= self.paths.max_depth {
             return;
         }

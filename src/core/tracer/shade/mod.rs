@@ -1,15 +1,16 @@
 //! From hits to radiance: materials, lights and the integrators that combine them.
 //!
 //! * `hit` – what the surface is like where a ray meets it; `fetch` – how its records are fetched;
-//! * `light` – picking a light and a point on it;
+//! * `light` – picking a light and a point on it; `sky` – directions to the sky; `emitters` – both of them;
 //! * `rough`, `specular` – the scattering functions;
 //! * `vertex` – what happens where a path meets a surface;
 //! * `queue`, `shadow` – packets of paths and of shadow rays, kept full;
 //! * [`path`] – the path tracer; [`direct`] – direct lighting alone;
 //! * [`features`] – what is seen without light;
-//! * [`shoot`], [`gather`] – photons from the lights, and the integrator that looks them up.
+//! * [`shoot`], [`gather`] – photons from the lights, and the integrator that looks them up; `source` – where photons start.
 
 pub mod direct;
+mod emitters;
 pub mod features;
 mod fetch;
 pub mod gather;
@@ -20,5 +21,7 @@ mod queue;
 mod rough;
 mod shadow;
 pub mod shoot;
+mod sky;
+mod source;
 mod specular;
 mod vertex;

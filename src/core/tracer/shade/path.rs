@@ -9,18 +9,17 @@
 //! All randomness comes from the samples' own Sobol sets, three for each depth, whatever is traced beside it;
 //! only hits that are equal up to rounding can depend on the other rays of a packet.
 
+use super::emitters::{Emitters, from_sky};
 use super::hit::SurfacePoints;
-use super::light::{self};
+use super::light;
 use super::queue::{Paths, Queue, SLACK};
 use super::rough::Rough;
 use super::shadow::{ShadowRays, Shadows};
-use super::vertex::{
-    Frame, SETS, SHADOW_REACH, aim, emitted, lights, reject_nan, scatter, scatter_specular, survivors,
-};
+use super::vertex::{Frame, SETS, SHADOW_REACH, emitted, reject_nan, scatter, scatter_specular, survivors};
 use crate::maths::sobol;
 use crate::maths::vec3::Vec3x8;
 use crate::sampler::batch::{Batch8, Integrand, Rgb8};
-use crate::tracer::camera::Camera;
+use crate::tracer::camera::{Camera, Primary};
 use crate::tracer::scene::{Scattering, Scene};
 use crate::tracer::trace::{Hits8, Rays8, Tracer};
 use wide::{f32x8, u32x8};
@@ -82,9 +81,10 @@ impl<'a> PathTracer<'a> {
         self.queue.clear();
         for (number, batch) in batches.iter().enumerate() {
             let slot = u32x8::splat(8 * number as u32) + u32x8::new([0, 1, 2, 3, 4, 5, 6, 7]);
+            let Primary { origin, direction } = self.camera.rays(batch);
             self.queue.start(&Paths {
-                origin: Vec3x8::splat(self.camera.origin()),
-                direction: self.camera.directions(batch.x, batch.y),
+                origin,
+                direction,
                 throughput: Vec3x8::splat([1.0; 3]),
                 density: f32x8::splat(f32::INFINITY),
                 compression: f32x8::ONE,
@@ -107,6 +107,14 @@ impl<'a> PathTracer<'a> {
     ) {
         if let Some((value, lit)) = emitted(self.tracer.scene(), paths, surface, hits) {
             super::shadow::accumulate(radiance, paths.slot, value, lit.to_bitmask());
+        }
+    }
+
+    /// Adds what paths that meet nothing see of the sky, weighted against aiming at it. `depth` counts their segments.
+    #[inline(always)]
+    pub(super) fn add_sky(&self, paths: &Paths, hits: &Hits8, depth: u32, radiance: &mut [Rgb8]) {
+        if let Some((value, lanes)) = from_sky(self.tracer.scene(), paths, hits, depth == 1) {
+            super::shadow::accumulate(radiance, paths.slot, value, lanes);
         }
     }
 
@@ -138,10 +146,10 @@ impl<'a> PathTracer<'a> {
     ) {
         let frame = Frame::new(surface.normal);
         let bsdf = Rough::new(surface, frame.to_local(-next.direction));
-        if !self.tracer.scene().data().lights.is_empty() {
-            let (u, v) = sobol::point(next.index, next.key, SETS * depth - 2);
-            let point = lights(self.tracer.scene(), next, surface).sample(u, v);
-            let shadow = aim(next, surface, &frame, &bsdf, &point, f32x8::ONE);
+        if self.tracer.scene().is_lit() {
+            let point = sobol::point(next.index, next.key, SETS * depth - 2);
+            let emitters = Emitters::new(self.tracer.scene(), next, surface);
+            let shadow = emitters.aim(next, surface, &frame, &bsdf, point, f32x8::ONE);
             self.queue_shadows(&shadow, rough, radiance);
         }
         let point = sobol::point(next.index, next.key, SETS * depth - 1);
@@ -226,6 +234,7 @@ impl<'a> Wavefront<'a> for PathTracer<'a> {
         self.traffic.packets += 1;
         self.traffic.rays += u64::from(paths.lanes);
         let hits = self.tracer.closest(&rays);
+        self.add_sky(paths, &hits, depth, radiance);
         if !hits.any() {
             return;
         }
@@ -246,7 +255,7 @@ impl<'a> Wavefront<'a> for PathTracer<'a> {
         reject_nan(&next, surface.hit, radiance);
         let alive = survivors(&mut next, surface.hit, depth);
         next.origin = surface.leave(next.direction);
-        if depth + 1 == self.max_depth && light::are_few(self.tracer.scene().data()) {
+        if depth + 1 == self.max_depth && light::are_few(self.tracer.scene()) {
             self.end_on_lights(&next, alive, radiance);
         } else {
             self.queue.push(&next, alive.to_bitmask());

@@ -1,6 +1,7 @@
 //! The scene file: what TOML may say, and what it means.
 
 mod keys;
+mod sky;
 mod tables;
 mod tracks;
 mod value;
@@ -56,8 +57,12 @@ pub(super) fn load_scene(path: &Path, add_mesh: AddMesh) -> Result<Animation, Er
     let blame = |(offset, message): Fault| source.error(offset, message);
     scene.check_keys().map_err(blame)?;
     let frames = scene.frames().map_err(blame)?;
-    let mut script = Script { frames, moving: scene.moves(), ..Script::default() };
+    let mut script = Script { frames, shutter: scene.shutter(), moving: scene.moves(), ..Script::default() };
     let mut assembly = Assembly::default();
+    if script.shutter > 0.0 && script.moving {
+        let what = "the shutter blurs what the camera does; objects stand still while it is open";
+        assembly.warn(format!("{}: {what}", path.display()));
+    }
     let mut names = BTreeMap::new();
     for (name, table) in &scene.materials {
         let index = assembly.add_material(table.material());
@@ -97,12 +102,20 @@ pub(super) fn load_scene(path: &Path, add_mesh: AddMesh) -> Result<Animation, Er
     }
     let camera = scene.camera.as_ref();
     let view = camera.map(|camera| {
-        let view = camera.get_ref().track().at(script.first_frame());
+        let view = camera.get_ref().track().at(f64::from(script.first_frame()));
         view.map_err(|m| source.error(camera.span().start, m))
     });
     let moving = camera.filter(|camera| !camera.get_ref().keys.is_empty());
     script.camera = moving.map(|camera| camera.get_ref().track());
-    assembly.finish(path, scene.shot(view.transpose()?), script)
+    let mut shot = scene.shot(view.transpose()?);
+    if let Some(table) = &scene.sky {
+        let file = path.with_file_name(table.get_ref().file.as_deref().unwrap_or_default());
+        let order = table.get_ref().order(&file, shot.cd_per_unit, table.span().start).map_err(blame)?;
+        let (sky, warnings) = order.sky()?;
+        warnings.into_iter().for_each(|warning| assembly.warn(warning));
+        shot.sky = Some(sky);
+    }
+    assembly.finish(path, shot, script)
 }
 
 /// Adds triangles as an object.
@@ -121,13 +134,14 @@ impl SceneFile {
         let default = Shot::default();
         Shot {
             view,
+            sky: None,
             width: self.film.width.map_or(default.width, |v| v.0),
             height: self.film.height.map_or(default.height, |v| v.0),
             cd_per_unit: self.film.cd_per_unit.map_or(default.cd_per_unit, |v| v.0),
             exposure: self.film.exposure.map_or(default.exposure, |v| v.0),
             spp: self.render.spp.map(Into::into),
             max_depth: self.render.max_depth.map(Into::into),
-            soft_box: false,
+            soft_light: false,
         }
     }
 
@@ -149,7 +163,7 @@ impl SceneFile {
                 None => Ok(None),
             };
         };
-        let FramesTable { first, last, fps } = table.get_ref();
+        let FramesTable { first, last, fps, shutter: _ } = table.get_ref();
         if first > last {
             return Err((
                 table.span().start,
@@ -157,6 +171,11 @@ impl SceneFile {
             ));
         }
         Ok(Some(Frames { first: *first, last: *last, fps: fps.map_or(DEFAULT_FPS, |fps| fps.0) }))
+    }
+
+    /// Part of a frame's time in which the shutter is open.
+    fn shutter(&self) -> f32 {
+        self.frames.as_ref().and_then(|table| table.get_ref().shutter).map_or(0.0, |v| v.0)
     }
 
     /// Where the first key of any table stands.

@@ -13,17 +13,23 @@ impl CameraTable {
     pub fn track(&self) -> CameraTrack {
         let (keys, blend) = (&self.keys, self.interpolation);
         let up = self.up.map_or(Vec3::Y, |up| up.vec3());
+        let bounded =
+            |still: f32, keys: Vec<(u32, [f32; 1])>| Track::new([still], keys, blend, Swing::Bounded);
+        let focus = named(keys, |k| k.focus.map(|v| [v.0]));
+        let sharp = self.focus.map(|v| v.0).or(focus.first().map(|key| key.1[0]));
         CameraTrack {
             from: points(keys, blend, self.from.vec3(), |k| k.from),
             at: points(keys, blend, self.at.vec3(), |k| k.at),
             up: points(keys, blend, up, |k| k.up),
-            fov: Track::new([self.fov.0], named(keys, |k| k.fov.map(|v| [v.0])), blend, Swing::Bounded),
+            fov: bounded(self.fov.0, named(keys, |k| k.fov.map(|v| [v.0]))),
+            aperture: bounded(self.aperture.map_or(0.0, |v| v.0), named(keys, |k| k.aperture.map(|v| [v.0]))),
+            focus: sharp.map(|still| bounded(still, focus)),
         }
     }
 }
 
 /// Turns about the fixed x, y and z axis in this order, by degrees.
-fn rotation(degrees: Point) -> Quat {
+pub(super) fn rotation(degrees: Point) -> Quat {
     let turn = |axis, angle: f32| Quat::from_axis_angle(axis, angle.to_radians());
     let degrees = degrees.vec3();
     turn(Vec3::Z, degrees.z) * turn(Vec3::Y, degrees.y) * turn(Vec3::X, degrees.x)

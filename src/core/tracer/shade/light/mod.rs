@@ -124,8 +124,8 @@ const STEPS: f32 = (1 << 24) as f32;
 
 /// Whether to look for the lights that a ray meets one by one, before what may be in between.
 #[inline(always)]
-pub(super) fn are_few(data: &SceneData<'_>) -> bool {
-    data.lights.len() <= SHORT
+pub(super) fn are_few(scene: &Scene<'_>) -> bool {
+    scene.data().lights.len() <= SHORT && scene.data().sky.is_none()
 }
 
 /// Tables up to this length are searched from the front.
