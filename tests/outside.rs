@@ -82,6 +82,22 @@ fn odd_pictures_are_mended_and_named() {
     assert!(warnings[0].contains("this one is 4x4"), "{warnings:?}");
 }
 
+/// A size that no memory holds is refused before any is asked for.
+#[test]
+fn skies_without_bounds_are_refused() {
+    let folder = sky_folder();
+    let mut bytes = std::fs::read(folder.path().join("sky.exr")).unwrap();
+    for name in [&b"dataWindow\0"[..], &b"displayWindow\0"[..]] {
+        let at = bytes.windows(name.len()).position(|part| part == name).unwrap();
+        // Name, type, length of the value, then its lower and upper corner.
+        let corner = at + name.len() + b"box2i\0".len() + 4 + 8;
+        bytes[corner..corner + 8].copy_from_slice(&[0xff, 0xff, 0xff, 0x0f, 0xff, 0xff, 0xff, 0x0f]);
+    }
+    std::fs::write(folder.path().join("huge.exr"), bytes).unwrap();
+    let error = SkyMap::load(&folder.path().join("huge.exr")).map(|_| ()).unwrap_err().to_string();
+    assert!(error.contains("huge.exr: ") && !error.contains('\n'), "{error}");
+}
+
 #[track_caller]
 fn refused(toml: &str, words: &str) {
     let folder = folder(&[("s.toml", toml), ("text.hdr", "no picture")]);
@@ -100,7 +116,7 @@ fn skies_that_are_none_are_refused_by_line() {
     refused(&ball("colour = [1, 1, 1]"), "s.toml:9");
     refused(&ball("file = \"gone.exr\""), "gone.exr: ");
     refused(&ball("file = \"sky.png\""), "sky.png: a sky is an .exr or .hdr file");
-    refused(&ball("file = \"text.hdr\""), "text.hdr: not a Radiance HDR picture");
+    refused(&ball("file = \"text.hdr\""), "text.hdr: Format error decoding Hdr");
     refused(&VIEW.replace("fov = 40", "fov = 40\nfocus = 0"), "s.toml:8");
     refused(&VIEW.replace("fov = 40", "fov = 40\naperture = -1"), "s.toml:8");
 }

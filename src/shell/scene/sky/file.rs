@@ -9,6 +9,9 @@ use std::path::Path;
 /// The brightest that half precision holds: what is infinite was meant to be at least that.
 const BRIGHTEST: f32 = 65504.0;
 
+/// Most texels of a picture: 16384×8192 of them, 2 GB in memory.
+const MOST_TEXELS: usize = 1 << 27;
+
 struct Picture {
     size: (usize, usize),
     texels: Vec<[f32; 3]>,
@@ -33,11 +36,6 @@ pub(super) fn load(path: &Path, scale: f32) -> Result<(SkyMap, Vec<String>), Err
         _ => Err("a sky is an .exr or .hdr file".to_owned()),
     };
     let Picture { size: (width, height), mut texels } = picture.map_err(|why| Error::in_file(path, why))?;
-    let sides = 1..=MAX_SKY_SIDE as usize;
-    if !(sides.contains(&width) && sides.contains(&height)) {
-        let most = format!("a sky has at most {MAX_SKY_SIDE} texels a side, this one {width}x{height}");
-        return Err(Error::in_file(path, most));
-    }
     let mut warnings = Vec::new();
     if width != 2 * height {
         let what = "an equirectangular picture is twice as wide as high";
@@ -61,7 +59,18 @@ fn repair(texel: &mut [f32; 3], scale: f32) -> bool {
     repaired
 }
 
+/// Checks a size before there is memory for it.
+fn check_size(width: usize, height: usize) -> Result<(), String> {
+    let sides = 1..=MAX_SKY_SIDE as usize;
+    let fits = sides.contains(&width) && sides.contains(&height) && width * height <= MOST_TEXELS;
+    let most = || format!("a sky has at most {MOST_TEXELS} texels, this one {width}x{height}");
+    if fits { Ok(()) } else { Err(most()) }
+}
+
 fn read_exr(path: &Path) -> Result<Picture, String> {
+    let meta = ::exr::meta::MetaData::read_from_file(path, false).map_err(|e| e.to_string())?;
+    let size = meta.headers.first().map_or(exr::Vec2(0, 0), |header| header.layer_size);
+    check_size(size.width(), size.height())?;
     let new = |size: exr::Vec2<usize>, _: &_| Picture {
         size: (size.width(), size.height()),
         texels: vec![[0.0; 3]; size.area()],
@@ -81,5 +90,6 @@ fn read_hdr(path: &Path) -> Result<Picture, String> {
     }
     let picture = reader.decode().map_err(|e| e.to_string())?.into_rgb32f();
     let size = (picture.width() as usize, picture.height() as usize);
+    check_size(size.0, size.1)?;
     Ok(Picture { size, texels: picture.pixels().map(|pixel| pixel.0).collect() })
 }
