@@ -28,7 +28,7 @@ fn scene(obj: &str, mtl: &str, pictures: &[(&str, image::RgbaImage)], view: [f64
     let options = Options { light: LightChoice::Own, ..Options::default() };
     let mut scene = Animation::open(&folder.path().join("s.obj"), &options).unwrap().into_scene();
     let from = view.map(|v| v as f32);
-    scene.view = View { from, at: [0.0; 3], up: [0.0, 0.0, -1.0], fov: 40.0 };
+    scene.view = View { from, at: [0.0; 3], up: [0.0, 0.0, -1.0], fov: 40.0, aperture: 0.0, focus: None };
     scene
 }
 

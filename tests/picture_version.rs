@@ -53,6 +53,16 @@ fn kinds(folder: &Path) -> PathBuf {
     folder.join("kinds.toml")
 }
 
+/// The same under sun and sky, through a lens.
+fn outside(folder: &Path) -> PathBuf {
+    let lens = KINDS.replace(
+        "fov = 40",
+        "fov = 40\naperture = 0.2\n[sky]\nsun = [1, 2, 3]\nrotate = [0, 20, 0]\nscale = 0.01",
+    );
+    fs::write(folder.join("outside.toml"), lens).unwrap();
+    folder.join("outside.toml")
+}
+
 /// Hash of the bits of a frame's planes, and of what it was predicted to be.
 fn hash(frame: &Frame, predictor: &Predictor) -> String {
     let beliefs = predictor.prediction().map_or(&[][..], |prediction| &prediction.beliefs);
@@ -72,6 +82,7 @@ fn stills(hashes: &mut Hashes) {
         ("cornell", repository().join("scenes/cornell.toml")),
         ("caustic", repository().join("scenes/caustic.toml")),
         ("kinds", kinds(folder.path())),
+        ("outside", outside(folder.path())),
     ];
     let integrators = [
         Integrator::Path,

@@ -21,6 +21,7 @@ fn checked(change: impl FnOnce(&mut Parts)) -> Result<(), Error> {
         texels: &parts.texels,
         lights: &parts.lights,
         light_nodes: &parts.light_nodes,
+        sky: None,
     };
     Scene::new(data).map(|_| ())
 }

@@ -126,7 +126,7 @@ fn scenes_without_light_say_what_to_add() {
     );
     let sphere =
         "[[spheres]]\ncenter = [0, 0, 0]\nradius = 1\nsubdivisions = 1\nmaterial = \"m\"\n[materials.m]\n";
-    toml_fails(sphere, "s.toml: no light: add [[lights]] or a material with emission");
+    toml_fails(sphere, "s.toml: no light: add [[lights]], a [sky] or a material with emission");
 }
 
 #[test]

@@ -1,9 +1,10 @@
-//! A frame rendered on the stack with nothing but the core: a grey wall under a lamp, path traced, adaptive.
+//! A frame rendered on the stack with nothing but the core: a grey wall under a lamp and a sky, path traced, adaptive.
 
 use pmcip_core::sampler::batch::{Batch8, Rgb8};
 use pmcip_core::sampler::{Memory, Sampler, Schedule, Settings, Tally, Workspace};
 use pmcip_core::tracer::camera::Camera;
 use pmcip_core::tracer::scene::light;
+use pmcip_core::tracer::scene::sky::{self, Sky, Sun};
 use pmcip_core::tracer::scene::{Leaf8, Light, Material, Node8, Scene, SceneData, Surface, Triangle};
 use pmcip_core::tracer::shade::path::{Packet, PathTracer};
 
@@ -34,6 +35,20 @@ pub fn render() -> Option<(Tally, f32)> {
     root.count[0] = triangles.len() as u32;
     let mut lights = [Light::default(); 2];
     let used = light::build(&triangles, &surfaces, &materials, &mut lights);
+    let sun = Sun { direction: [0.0, 0.0, 1.0], radius: 0.01, radiance: [0.01; 3] };
+    let (texels, mut rows, mut cells) = ([[0.01, 0.02, 0.03]; 8], [0; 3], [0; 8]);
+    let power = sky::build((4, 2), &texels, Some(&sun), &mut rows, &mut cells);
+    let sky = Sky {
+        width: 4,
+        height: 2,
+        texels: &texels,
+        rows: &rows,
+        cells: &cells,
+        axes: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        sun: Some(sun),
+        power,
+        visible: true,
+    };
     let scene = Scene::new(SceneData {
         nodes: &nodes,
         leaves: &leaves,
@@ -45,6 +60,7 @@ pub fn render() -> Option<(Tally, f32)> {
         texels: &[],
         lights: &lights[..used],
         light_nodes: &[],
+        sky: Some(sky),
     });
     sample(scene.ok()?)
 }

@@ -97,6 +97,24 @@ pub fn sin_cos_turn(turn: f32x8) -> (f32x8, f32x8) {
     rotate(quarter.fast_trunc_int(), sin, cos)
 }
 
+/// The angle of the point (`x`, `y`) from the x axis, in turns from −½ to ½; absolute error below 6e-8. 0 at the origin.
+#[inline]
+pub fn turn(x: f32x8, y: f32x8) -> f32x8 {
+    let (width, height) = (x.abs(), y.abs());
+    let (small, large) = (width.fast_min(height), width.fast_max(height));
+    // atan a = ⅛ turn + atan((a − 1)/(a + 1)): what remains is below tan(π/8).
+    let near = small.simd_le(large * f32x8::splat(core::f32::consts::SQRT_2 - 1.0));
+    let (over, under) = (near.select(small, small - large), near.select(large, small + large));
+    let a = over / under.fast_max(f32x8::splat(f32::MIN_POSITIVE));
+    // Least squares of atan(a)/(2πa) at Chebyshev's points.
+    let series =
+        polynomial(a * a, [0.159_154_94, -0.053_050_794, 0.031_790_253, -0.022_045_313, 0.012_708_463]);
+    let eighth = near.select(f32x8::ZERO, f32x8::splat(0.125));
+    let first = eighth + a * series;
+    let quadrant = height.simd_gt(width).select(f32x8::splat(0.25) - first, first);
+    x.simd_lt(f32x8::ZERO).select(f32x8::HALF - quadrant, quadrant).copysign(y)
+}
+
 /// Sine and cosine after `quarter` turns by 90°.
 #[inline(always)]
 fn rotate(quarter: i32x8, sin: f32x8, cos: f32x8) -> (f32x8, f32x8) {
@@ -135,6 +153,12 @@ mod tests {
         assert!(worst(1e-37, 1e38, log2, libm::log2, |e| e.abs().max(1.0)) < 1.2e-7);
         assert!(worst(-1.0, 1.0, |x| sin_cos_turn(x).0, |u| libm::sin(u * TAU), absolute) < 2e-7);
         assert!(worst(-1.0, 1.0, |x| sin_cos_turn(x).1, |u| libm::cos(u * TAU), absolute) < 2e-7);
+        let angle = |u: f32x8| {
+            let (sin, cos) = sin_cos_turn(u);
+            turn(cos * f32x8::splat(3.0), sin * f32x8::splat(3.0))
+        };
+        // The sine and cosine that go in are rounded, too.
+        assert!(worst(-0.499_999, 0.499_999, angle, |u| u, absolute) < 1e-7);
         let power = |x| powf(x, f32x8::splat(2.7));
         assert!(worst(0.01, 50.0, power, |x| libm::pow(x, f64::from(2.7f32)), |e| e * 20.0) < 2e-7);
     }
@@ -153,6 +177,13 @@ mod tests {
         };
         assert_eq!((at(0.0), at(0.25), at(0.5), at(0.75), at(1.0)), (EAST, NORTH, WEST, SOUTH, EAST));
         assert_eq!((at(-0.25), at(-0.5), at(-0.75), at(-1.0)), (SOUTH, WEST, NORTH, EAST));
+    }
+
+    #[test]
+    fn angles_of_axes() {
+        let at = |x: f32, y: f32| turn(f32x8::splat(x), f32x8::splat(y)).to_array()[0];
+        assert_eq!((at(2.0, 0.0), at(0.0, 2.0), at(-2.0, 0.0), at(0.0, -2.0)), (0.0, 0.25, 0.5, -0.25));
+        assert_eq!((at(0.0, 0.0), at(1.0, 1.0), at(-1.0, -1.0)), (0.0, 0.125, -0.375));
     }
 
     const EAST: (f32, f32) = (0.0, 1.0);

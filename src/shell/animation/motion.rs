@@ -3,6 +3,8 @@
 //! One ray through each pixel's centre. The point it hits is moved back as its object has moved, and projected by the
 //! camera of then. A ray that leaves the scene shows something infinitely far away, which only turns.
 //!
+//! A lens and an open shutter are left out: the pinhole in its middle, as the shutter opens, says where things are.
+//!
 //! Limits: what is seen in a mirror or through glass is not followed, only the mirror or the glass; an edge inside a
 //! pixel belongs to what its centre shows. One thread: about as many rays as a hundredth of a frame at 64 samples a
 //! pixel has.
@@ -13,7 +15,6 @@ use crate::frame::settings::{Layer, Settings};
 use crate::scene::{LoadedScene, Pose, View};
 use glam::Vec3;
 use pmcip_core::maths::vec3::Vec3x8;
-use pmcip_core::tracer::camera::Camera;
 use pmcip_core::tracer::scene::Scene;
 use pmcip_core::tracer::shade::cutout;
 use pmcip_core::tracer::trace::{MISS, Rays8, Tracer};
@@ -89,7 +90,7 @@ impl Motion {
         if before.placements.len() != scene.placements.len() {
             return Err(Error::Setting("the scene of the frame before had other objects".into()));
         }
-        let camera = |view: &View| Camera::new(view.from, view.at, view.up, view.fov, width, height);
+        let camera = |view: &View| view.camera(width, height);
         let (now, then) =
             (camera(view).map_err(Error::setting)?, camera(&before.view).map_err(Error::setting)?);
         let shifts = scene.placements.iter().zip(&before.placements);

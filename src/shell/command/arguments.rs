@@ -1,7 +1,10 @@
 //! The command line as data.
 
 use super::layers::Wish;
-use super::values::{exr_path, finite, fov, fps, gamma, mp4_path, point, positive, size, threads, vector};
+use super::values::{
+    exr_path, finite, fov, fps, gamma, mp4_path, not_negative, point, positive, size, sky_path, threads,
+    vector,
+};
 use clap::error::ErrorKind;
 use clap::{Args, Parser, Subcommand};
 use pmcip::animation::sequence;
@@ -250,6 +253,15 @@ pub struct Common {
     /// Refuse mesh and material files with lines that mean nothing, instead of leaving these out
     #[arg(long)]
     pub strict: bool,
+    /// Diameter of the lens in scene units: 0 is a pinhole, by which everything is sharp [default: the scene's, or 0]
+    #[arg(long, value_name = "D", value_parser = not_negative, allow_negative_numbers = true)]
+    pub aperture: Option<f32>,
+    /// Distance along the view at which the picture is sharp [default: the scene's, or that of --look-at]
+    #[arg(long, value_name = "D", value_parser = positive, allow_negative_numbers = true)]
+    pub focus: Option<f32>,
+    /// Picture of the sky instead of the scene's: equirectangular, +y up, +z in the middle
+    #[arg(long, value_name = "FILE.exr|.hdr", value_parser = sky_path)]
+    pub sky: Option<PathBuf>,
     /// Print nothing but errors
     #[arg(long)]
     pub quiet: bool,

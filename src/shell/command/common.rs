@@ -7,9 +7,10 @@ use pmcip::error::Error;
 use pmcip::frame::probe;
 use pmcip::frame::render::{self, Frame};
 use pmcip::frame::settings::{Method, Settings};
-use pmcip::scene::{Animation, Eye, LightChoice, LoadedScene, Options};
+use pmcip::scene::{Animation, Eye, LightChoice, LoadedScene, Options, SkyMap};
 use pmcip_core::sampler::Tally;
 use std::io::Write;
+use std::path::Path;
 
 /// Why a command ended without success.
 pub struct Failure {
@@ -33,9 +34,12 @@ pub fn failed(reason: impl ToString) -> Failure {
 const REJECTABLE: f64 = 0.01;
 
 /// Loads a scene that can be rendered, and passes on what the loader noticed. One that its own light leaves in the dark, at
-/// an exposure that is the scene's where none is given, gets a lamp by the camera, if it is an OBJ and may have one.
+/// an exposure that is the scene's where none is given, gets a light of last resort, if it is an OBJ and may have one.
 pub fn load(common: &Common, exposure: Option<f32>) -> Result<Animation, Failure> {
     let mut options = Options { strict: common.strict, light: common.light, eye: eye(common) };
+    if let Some(file) = &common.sky {
+        return under_sky(common, options, file);
+    }
     let open = |options: &Options| {
         let animation = Animation::open(&common.scene, options).map_err(bad)?;
         animation.scene().require_light().map(|()| animation).map_err(bad)
@@ -51,21 +55,46 @@ pub fn load(common: &Common, exposure: Option<f32>) -> Result<Animation, Failure
             if animation.scene().is_bare() {
                 options.light = LightChoice::Sky;
                 animation = open(&options)?;
-                dark = Some(format!("{why}: a lamp by the camera is added (--light own: without)"));
+                dark = Some(format!("{why}: {} is added (--light own: without)", LAST_RESORT));
             } else {
-                dark = Some(format!("{why}: --light sky adds a lamp by the camera"));
+                dark = Some(format!("{why}: --light sky adds {LAST_RESORT}"));
             }
         }
     }
-    if !common.quiet {
-        animation.scene().warnings.iter().chain(&dark).for_each(|warning| eprintln!("warning: {warning}"));
-    }
+    warn(common, animation.scene().warnings.iter().chain(&dark));
     Ok(animation)
+}
+
+/// What lights a scene that nothing else does.
+const LAST_RESORT: &str = "a soft sky and a key light, in a room a lamp by the camera,";
+
+/// Loads a scene under the sky of a file.
+fn under_sky(common: &Common, mut options: Options, file: &Path) -> Result<Animation, Failure> {
+    if options.light == LightChoice::Auto {
+        options.light = LightChoice::Own;
+    }
+    let (sky, warnings) = SkyMap::load(file).map_err(bad)?;
+    let animation = Animation::open(&common.scene, &options).map_err(bad)?.under(sky);
+    warn(common, animation.scene().warnings.iter().chain(&warnings));
+    Ok(animation)
+}
+
+fn warn<'a>(common: &Common, warnings: impl Iterator<Item = &'a String>) {
+    if !common.quiet {
+        warnings.for_each(|warning| eprintln!("warning: {warning}"));
+    }
 }
 
 /// What the command says of the camera.
 pub fn eye(common: &Common) -> Eye {
-    Eye { from: common.look_from, at: common.look_at, up: common.up, fov: common.fov }
+    Eye {
+        from: common.look_from,
+        at: common.look_at,
+        up: common.up,
+        fov: common.fov,
+        aperture: common.aperture,
+        focus: common.focus,
+    }
 }
 
 /// Says how many samples of a picture were no numbers.
@@ -105,7 +134,10 @@ pub fn path_settings(scene: &LoadedScene, common: &Common, method: Method, spp: 
     let mut settings = Settings::new(scene, method, spp, common.size);
     settings.max_depth = common.max_depth.unwrap_or(settings.max_depth);
     settings.sampler.seed = common.seed;
-    settings.view = eye(common).applied(&scene.view, scene.origin);
+    let eye = eye(common);
+    settings.view = eye.applied(&scene.view, scene.origin);
+    let closing = scene.closing_view.map(|closing| eye.applied(&closing, scene.origin));
+    settings.closing_view = closing.filter(|closing| *closing != settings.view);
     settings
 }
 

@@ -177,6 +177,8 @@ pub struct Contents<'a> {
     look_at: [f64; 3],
     up: [f32; 3],
     fov: f32,
+    /// Where light from outside comes from.
+    sky: Option<&'a str>,
     warnings: Vec<String>,
 }
 
@@ -202,6 +204,7 @@ impl<'a> Contents<'a> {
             look_at: in_file(scene, scene.view.at),
             up: scene.view.up,
             fov: scene.view.fov,
+            sky: scene.sky.as_ref().map(|sky| &*sky.source),
             warnings: scene.warnings.iter().cloned().chain(no_light).collect(),
         }
     }
@@ -220,6 +223,7 @@ fn bytes(scene: &LoadedScene) -> usize {
         + size_of_val(data.texels)
         + size_of_val(data.lights)
         + size_of_val(data.light_nodes)
+        + data.sky.map_or(0, |sky| size_of_val(sky.texels) + size_of_val(sky.rows) + size_of_val(sky.cells))
 }
 
 /// Lower and upper corner of the box around all triangles.
@@ -253,6 +257,9 @@ impl Display for Contents<'_> {
             writeln!(f, "from {} to {}", point(low), point(high))?;
         }
         writeln!(f, "{}×{} pixels, radiance 1 is {} cd/m²", self.width, self.height, self.cd_per_unit)?;
+        if let Some(sky) = self.sky {
+            writeln!(f, "under a sky: {sky}")?;
+        }
         let (from, at, up) = (point(self.look_from), point(self.look_at), point(self.up));
         writeln!(f, "camera --look-from {from} --look-at {at} --up {up} --fov {}", self.fov)?;
         self.warnings.iter().try_for_each(|warning| writeln!(f, "warning: {warning}"))

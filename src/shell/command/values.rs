@@ -9,6 +9,17 @@ pub fn exr_path(text: &str) -> Result<PathBuf, String> {
     if is_exr { Ok(path) } else { Err("the name must end in .exr".into()) }
 }
 
+/// The name of a picture of the sky.
+pub fn sky_path(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    let is_one = |e: &std::ffi::OsStr| e.eq_ignore_ascii_case("exr") || e.eq_ignore_ascii_case("hdr");
+    if path.extension().is_some_and(is_one) {
+        Ok(path)
+    } else {
+        Err("the name must end in .exr or .hdr".into())
+    }
+}
+
 /// The name of a video.
 pub fn mp4_path(text: &str) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);
@@ -60,6 +71,12 @@ pub fn finite(text: &str) -> Result<f32, String> {
 pub fn positive(text: &str) -> Result<f32, String> {
     let number = finite(text).ok().filter(|number| *number > 0.0);
     number.ok_or_else(|| "expected a number above 0".into())
+}
+
+/// A number of 0 or more.
+pub fn not_negative(text: &str) -> Result<f32, String> {
+    let number = finite(text).ok().filter(|number| *number >= 0.0);
+    number.ok_or_else(|| "expected a number of 0 or more".into())
 }
 
 /// A power of weights.

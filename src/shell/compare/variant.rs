@@ -38,6 +38,7 @@ impl Variant {
         let size = (base.sampler.width, base.sampler.height);
         let mut settings = Settings::new(scene, self.method, Some(spp), Some(size));
         (settings.max_depth, settings.view) = (base.max_depth, base.view);
+        settings.closing_view = base.closing_view;
         settings.integrator = base.integrator;
         settings.sampler.seed = base.sampler.seed;
         settings.startup = self.startup.unwrap_or(base.startup);

@@ -10,7 +10,6 @@ use crate::error::Error;
 use crate::scene::LoadedScene;
 use pmcip_core::maths::sobol::{hash, point};
 use pmcip_core::sampler::batch::{Batch8, Integrand};
-use pmcip_core::tracer::camera::Camera;
 use pmcip_core::tracer::scene::Scene;
 use pmcip_core::tracer::shade::direct::{DirectLighting, Samples};
 use pmcip_core::tracer::shade::path::{Packet, PathTracer, Traffic};
@@ -47,8 +46,7 @@ pub fn rays(
 ) -> Result<Option<Vec<f32>>, Error> {
     let core = &settings.sampler;
     let (width, height, depth) = (core.width, core.height, settings.max_depth);
-    let view = &settings.view;
-    let camera = Camera::new(view.from, view.at, view.up, view.fov, width, height).map_err(Error::setting)?;
+    let camera = settings.camera().map_err(Error::setting)?;
     let scene = Scene::new(scene.data()).map_err(Error::setting)?;
     let mut rays = zeros(width as usize * height as usize)?;
     let rows = rays.chunks_mut(width as usize).enumerate().collect();

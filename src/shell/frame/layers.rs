@@ -39,28 +39,29 @@ pub(super) fn need_coverage(layers: Layers) -> bool {
 }
 
 /// Those of `layers` that film and scene make, by channel: rows from the top. `seen` is what [`need_features`] and
-/// [`need_coverage`] ask for.
+/// [`need_coverage`] ask for; where the eye sees the `sky` everything is covered.
 ///
 /// # Errors
 /// [`Error::Setting`] if the film has not accumulated for one of them, [`Error::Work`] if memory is lacking.
 pub(super) fn planes(
     film: &Sampler<'_>,
     seen: &Seen,
+    sky: bool,
     layers: Layers,
 ) -> Result<BTreeMap<String, Vec<f32>>, Error> {
     let mut planes = BTreeMap::new();
     for layer in layers.iter() {
         let channels = layer.channels().iter().map(|name| (*name).to_owned());
-        planes.extend(channels.zip(values(film, seen, layer)?));
+        planes.extend(channels.zip(values(film, seen, sky, layer)?));
     }
     Ok(planes)
 }
 
 /// The planes of a layer in the order of its channels; none of a layer that is made elsewhere.
-fn values(film: &Sampler<'_>, seen: &Seen, layer: Layer) -> Result<Vec<Vec<f32>>, Error> {
+fn values(film: &Sampler<'_>, seen: &Seen, sky: bool, layer: Layer) -> Result<Vec<Vec<f32>>, Error> {
     let of = |value: &dyn Fn(&Feature) -> f32| plane(&seen.features, value);
     match layer {
-        Layer::Coverage => Ok(vec![plane(&seen.coverage, |coverage| *coverage)?]),
+        Layer::Coverage => Ok(vec![plane(&seen.coverage, |coverage| if sky { 1.0 } else { *coverage })?]),
         Layer::Unbiased => colours(film, Estimator::Difference),
         Layer::Balanced => colours(film, Estimator::Balanced),
         Layer::Albedo => (0..3).map(|c| of(&|feature| feature.albedo[c])).collect(),

@@ -7,7 +7,6 @@ use crate::picture::metrics::luminance;
 use crate::scene::LoadedScene;
 use glam::Vec3;
 use pmcip_core::maths::vec3::Vec3x8;
-use pmcip_core::tracer::camera::Camera;
 use pmcip_core::tracer::scene::{Scattering, Scene};
 use pmcip_core::tracer::trace::{MISS, Rays8, Tracer};
 use wide::f32x8;
@@ -53,7 +52,8 @@ pub fn is_dark(scene: &LoadedScene, settings: &Settings, exposure: f32) -> Resul
 /// The settings of a tiny trial picture.
 fn trial(scene: &LoadedScene, settings: &Settings) -> Settings {
     let mut trial = Settings::new(scene, Method::Uniform, Some(SPP), Some((SIDE, SIDE)));
-    (trial.view, trial.max_depth) = (settings.view, settings.max_depth);
+    (trial.view, trial.closing_view) = (settings.view, settings.closing_view);
+    trial.max_depth = settings.max_depth;
     // Paths see what the photon map shows, without shooting it.
     trial.integrator = match settings.integrator {
         Integrator::Gather { .. } => Integrator::Path,
@@ -82,9 +82,7 @@ pub fn look(scene: &LoadedScene, settings: &Settings) -> Result<Option<String>, 
 
 /// Whether all rays of a coarse grid end on the backs of opaque surfaces.
 fn sees_only_backs(scene: &LoadedScene, settings: &Settings) -> Result<bool, Error> {
-    let view = &settings.view;
-    let camera = Camera::new(view.from, view.at, view.up, view.fov, SIDE, SIDE);
-    let camera = camera.map_err(Error::setting)?;
+    let camera = settings.view.camera(SIDE, SIDE).map_err(Error::setting)?;
     let checked = Scene::new(scene.data()).map_err(Error::setting)?;
     let mut tracer = Tracer::new(checked);
     let columns = f32x8::new([0.5, 1.5, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5]);

@@ -149,6 +149,9 @@ pub fn attributes(scene: &LoadedScene, settings: &Settings) -> BTreeMap<String, 
         settings_by_name.insert("look_from".into(), world(settings.view.from));
         settings_by_name.insert("look_at".into(), world(settings.view.at));
     }
+    if let Some(sky) = &scene.sky {
+        settings_by_name.insert("sky".into(), Value::String(sky.source.clone()));
+    }
     settings_by_name.into_iter().map(|(name, value)| (name, plain(value))).collect()
 }
 
@@ -251,7 +254,8 @@ pub fn render_while(
     let sight =
         Sight { scene: view, camera: crew.camera(), max_depth: settings.max_depth, size: (width, height) };
     let seen = see(sight, settings, crew.pool())?;
-    frame.layers = layers::planes(&sampler, &seen, settings.layers)?;
+    let sky = scene.sky.as_ref().is_some_and(|sky| sky.visible);
+    frame.layers = layers::planes(&sampler, &seen, sky, settings.layers)?;
     match settings.sampler.estimator {
         Estimator::Guided => {
             let mut blend = |filtered: &mut Filtered<'_>| learner.blend(filtered);

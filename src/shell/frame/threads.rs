@@ -61,10 +61,7 @@ impl<'a> Crew<'a> {
         maps: Option<Maps<'a>>,
         pool: Option<ThreadPool>,
     ) -> Result<Self, Error> {
-        let view = &settings.view;
-        let (width, height) = (settings.sampler.width, settings.sampler.height);
-        let camera =
-            Camera::new(view.from, view.at, view.up, view.fov, width, height).map_err(Error::setting)?;
+        let camera = settings.camera().map_err(Error::setting)?;
         let count = pool.as_ref().map_or(1, ThreadPool::current_num_threads);
         let workers = (0..count).map(|_| Mutex::new(Worker::new())).collect();
         Ok(Crew {

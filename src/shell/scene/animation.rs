@@ -6,6 +6,7 @@ use super::object::Object;
 use super::place::Placement;
 use super::pose;
 use super::script::Script;
+use super::sky::SkyMap;
 use glam::DVec3;
 use pmcip_core::tracer::scene::LightNode8;
 use pmcip_core::tracer::scene::{light, light_tree};
@@ -76,6 +77,12 @@ impl Animation {
         self.scene
     }
 
+    /// The scene under another sky, or under one at all.
+    pub fn under(mut self, sky: SkyMap) -> Animation {
+        self.scene.sky = Some(sky);
+        self
+    }
+
     /// The current frame.
     pub fn frame(&self) -> u32 {
         self.frame
@@ -117,7 +124,8 @@ impl Animation {
             return Ok(None);
         }
         let frame = self.frame - 1;
-        let camera = self.script.camera.as_ref().map(|camera| camera.at(frame, self.origin())).transpose();
+        let time = f64::from(frame);
+        let camera = self.script.camera.as_ref().map(|camera| camera.at(time, self.origin())).transpose();
         let view = camera.map_err(|m| self.blame(frame, m))?.unwrap_or(self.scene.view);
         let placements = self.placements(frame)?;
         Ok(Some(Pose { view, placements }))
@@ -141,7 +149,10 @@ impl Animation {
     /// Turns the camera; whether it has moved.
     fn look(&mut self, frame: u32) -> Result<bool, Error> {
         let Some(camera) = &self.script.camera else { return Ok(false) };
-        let view = camera.at(frame, self.origin()).map_err(|m| self.blame(frame, m))?;
+        let at = |time: f64| camera.at(time, self.origin()).map_err(|m| self.blame(frame, m));
+        let (open, shutter) = (f64::from(frame), f64::from(self.script.shutter));
+        let (view, closing) = (at(open)?, at(open + shutter)?);
+        self.scene.closing_view = (closing != view).then_some(closing);
         Ok(std::mem::replace(&mut self.scene.view, view) != view)
     }
 

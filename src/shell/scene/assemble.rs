@@ -8,6 +8,7 @@ use super::options::{LightChoice, Options};
 use super::place::Placement;
 use super::pose::{self, Geometry};
 use super::script::{ObjectTrack, Script};
+use super::sky::SkyMap;
 use super::texture::TextureCache;
 use super::{facing, home, lamp, shapes};
 use glam::{DVec3, Vec3};
@@ -19,8 +20,9 @@ use std::path::Path;
 pub(super) const DEFAULT_FOV: f32 = 39.3;
 
 /// What the scene file or the lack of one says about the image.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Shot {
+    pub sky: Option<SkyMap>,
     pub width: u32,
     pub height: u32,
     pub cd_per_unit: f32,
@@ -31,7 +33,15 @@ pub(super) struct Shot {
 
 impl Default for Shot {
     fn default() -> Self {
-        Shot { width: 512, height: 512, cd_per_unit: 100.0, exposure: 0.0, spp: None, max_depth: None }
+        Shot {
+            sky: None,
+            width: 512,
+            height: 512,
+            cd_per_unit: 100.0,
+            exposure: 0.0,
+            spp: None,
+            max_depth: None,
+        }
     }
 }
 
@@ -125,8 +135,8 @@ impl Assembly {
         })
     }
 
-    /// Poses all objects for the first frame of `script`, frames the view if it has no camera, and adds the lamp that
-    /// `options` ask for.
+    /// Poses all objects for the first frame of `script`, frames the view if it has no camera, and adds the light of last
+    /// resort that `options` ask for.
     pub fn finish(
         mut self,
         path: &Path,
@@ -141,17 +151,27 @@ impl Assembly {
         let mut placements = self.seated(&placements, origin);
         let mut geometry = pose::place(&self.objects, &placements).map_err(blame)?;
         let view = match &script.camera {
-            Some(camera) => camera.at(frame, origin).map_err(blame)?,
+            Some(camera) => camera.at(f64::from(frame), origin).map_err(blame)?,
             None => frame_view(geometry.bounds, shot.width, shot.height),
         };
-        let is_dark = light::count(&geometry.surfaces, &self.materials) == 0;
         self.name_backward_lamps(path, &geometry);
+        let mut sky = shot.sky;
+        let is_dark = sky.is_none() && light::count(&geometry.surfaces, &self.materials) == 0;
         let has_lamp = options.light == LightChoice::Sky || options.light == LightChoice::Auto && is_dark;
         if has_lamp {
-            self.add_lamp(path, &options.eye.applied(&view, origin.to_array()), &geometry, origin);
-            script.paths.push(ObjectTrack::Still);
-            placements.push(Placement::IDENTITY);
-            geometry = pose::place(&self.objects, &placements).map_err(blame)?;
+            let eye = options.eye.applied(&view, origin.to_array());
+            if is_dark {
+                let why = "no light: no material has an emission (Ke); a soft sky and a key light instead, in a room a lamp by the camera (--light own: without)";
+                self.warn(format!("{}: {why}", path.display()));
+            }
+            if sky.is_some() || lamp::is_indoors(&eye, &geometry) {
+                self.add_lamp(path, &eye, &geometry, origin);
+                script.paths.push(ObjectTrack::Still);
+                placements.push(Placement::IDENTITY);
+                geometry = pose::place(&self.objects, &placements).map_err(blame)?;
+            } else {
+                sky = Some(SkyMap::soft(&eye));
+            }
         }
         geometry.sort();
         let (textures, texels) = self.textures.into_parts();
@@ -172,7 +192,9 @@ impl Assembly {
             texels,
             lights: Vec::new(),
             light_nodes: Vec::new(),
+            sky,
             view,
+            closing_view: None,
             width: shot.width,
             height: shot.height,
             cd_per_unit: shot.cd_per_unit,
@@ -213,17 +235,13 @@ impl Assembly {
         objects.map(|(placement, object)| placement.seated(object.home, origin)).collect()
     }
 
-    /// Lights the scene from the camera.
+    /// Lights a room from the camera.
     fn add_lamp(&mut self, path: &Path, view: &View, geometry: &Geometry, origin: DVec3) {
         let (place, radiance) = lamp::key_light(view, geometry);
         let material = self.add_material(lamp([radiance; 3]));
         self.begin(path, origin);
         for triangle in shapes::square() {
             self.add(triangle.map(|c| Corner { position: place.position(c.position), ..c }), material);
-        }
-        if light::count(&geometry.surfaces, &self.materials) == 0 {
-            let why = "no light: no material has an emission (Ke); a lamp by the camera instead (--light own: without)";
-            self.warn(format!("{}: {why}", path.display()));
         }
     }
 }
@@ -248,5 +266,7 @@ fn frame_view((low, high): (Vec3, Vec3), width: u32, height: u32) -> View {
         at: centre.to_array(),
         up: Vec3::Y.to_array(),
         fov: DEFAULT_FOV,
+        aperture: 0.0,
+        focus: None,
     }
 }

@@ -1,4 +1,4 @@
-//! The lamp of last resort, as a photographer would place it: behind the camera, above it and to its left.
+//! The lamp of last resort in a room, as a photographer would place it: behind the camera, above it and to its left.
 
 use super::model::View;
 use super::place::Placement;
@@ -35,6 +35,16 @@ pub(super) fn key_light(view: &View, geometry: &Geometry) -> (Placement, f32) {
     // Irradiance is radiance times area over the squared distance: π makes white shine with 1.
     let radiance = std::f32::consts::PI / (4.0 * half * half);
     (Placement::rectangle(center.as_dvec3(), u, v), radiance)
+}
+
+/// Whether the eye is in a room, where no sky is seen: something is on at least five of its six sides.
+pub(super) fn is_indoors(view: &View, geometry: &Geometry) -> bool {
+    let from = Vec3::from(view.from);
+    let forward = (Vec3::from(view.at) - from).normalize_or(Vec3::NEG_Z);
+    let across = forward.cross(Vec3::from(view.up)).normalize_or(Vec3::X);
+    let sides = [forward, across, across.cross(forward)];
+    let walls = sides.into_iter().flat_map(|side| [side, -side]);
+    walls.filter(|side| first_hit(geometry, from, *side).is_some()).count() >= 5
 }
 
 /// How many times `step` it is from `from` to the first triangle in its way, seen by all of them.

@@ -19,7 +19,7 @@ impl Animation {
     }
 
     /// Loads a scene to be rendered: as [`load`](Self::load), but something shines in it. An OBJ without light gets a
-    /// lamp by the camera, and a warning that says so.
+    /// soft sky and a key light, in a room a lamp by the camera, and a warning that says so.
     ///
     /// # Errors
     /// As [`load`](Self::load), and if a scene file has no light.
@@ -60,8 +60,8 @@ pub fn load(path: &Path) -> Result<LoadedScene, Error> {
     Animation::load(path).map(Animation::into_scene)
 }
 
-/// Loads a scene to be rendered: as [`load`], but something shines in it. An OBJ without light gets a lamp by the
-/// camera, and a warning that says so.
+/// Loads a scene to be rendered: as [`load`], but something shines in it. An OBJ without light gets a soft sky and
+/// a key light, in a room a lamp by the camera, and a warning that says so.
 ///
 /// # Errors
 /// As [`load`], and if a scene file has no light.

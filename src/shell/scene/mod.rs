@@ -4,8 +4,8 @@
 //! cannot understand with one line that names the file and the line. Lengths are scene units, colours linear
 //! Rec. 709, angles degrees.
 //!
-//! An OBJ is framed as a whole, seen along −z. [`load_lit`] lights one whose materials do not shine by a lamp behind
-//! the camera, above and to the left, in a room inside of it.
+//! An OBJ is framed as a whole, seen along −z. [`load_lit`] lights one whose materials do not shine by a [soft sky and a
+//! key light](SkyMap::soft) of the camera, in a room by a lamp that is inside as the eye is.
 //!
 //! What is far from the origin (geo-referenced models) is read in double precision and moved to its own centre:
 //! everything in a [`LoadedScene`] is relative to its `origin`.
@@ -30,6 +30,8 @@
 //! at = [278, 273, 0]
 //! up = [0, 1, 0]              # this is the default
 //! fov = 39.3                  # vertical
+//! aperture = 0.0              # diameter of the lens in scene units; 0 is a pinhole
+//! focus = 4.0                 # distance along the view at which it is sharp; that of `at` if nothing is said
 //!
 //! [[meshes]]
 //! file = "room.obj"           # relative to the scene file
@@ -50,6 +52,16 @@
 //! edge_v = [0, 0, 52.5]
 //! radiance = [18, 11, 3]
 //!
+//! [sky]                       # light from outside; one of file, color and sun
+//! file = "studio.hdr"         # equirectangular .exr or .hdr: +y up, +z in the middle, +x to the left of it
+//! color = [1, 1, 1]           # the same radiance all around
+//! sun = [1, 0.6, 0.2]         # a clear day with the sun in this direction, +y up; luminances are absolute, by cd_per_unit
+//! haze = 1.0                  # with sun: 0 is clean air
+//! ground = [0.2, 0.2, 0.2]    # with sun: what the ground below the horizon reflects
+//! scale = 1.0                 # factor of the radiance
+//! rotate = [0, 30, 0]         # as that of meshes; the sun turns as well
+//! visible = true              # whether the eye sees it; mirrors and glass show it in any case
+//!
 //! [materials.glass]
 //! kind = "glass"              # "rough" (default), "mirror" or "glass"
 //! ior = 1.5
@@ -62,6 +74,8 @@
 //! first = 1
 //! last = 100                  # included
 //! fps = 25                    # for a video; 24 is the default
+//! shutter = 0.5               # part of a frame in which the shutter is open, from the frame on: blurs what the camera
+//!                             # does, not what objects do
 //! ```
 //!
 //! # Keys
@@ -87,7 +101,7 @@
 //!
 //! | table | properties |
 //! | --- | --- |
-//! | `camera` | `from`, `at`, `up`, `fov` |
+//! | `camera` | `from`, `at`, `up`, `fov`, `aperture`, `focus` |
 //! | `meshes` | `translate`, `rotate`, `scale` |
 //! | `spheres` | `center`, `radius` |
 //! | `lights` | `center`, `edge_u`, `edge_v`, `radiance`, `power` (a factor of the radiance, 1 if nothing is said) |
@@ -95,7 +109,7 @@
 //!
 //! `smooth` runs through the keys without a corner, as a cubic whose tangents are those of parabolas through
 //! neighbouring keys, at the ends as well: two keys make an even motion in a straight line, and what shall start
-//! gently gets a key more. `fov`, `scale`, `radius`, `radiance`, `power` and `emission` never leave the range of the
+//! gently gets a key more. `fov`, `aperture`, `focus`, `scale`, `radius`, `radiance`, `power` and `emission` never leave the range of the
 //! two keys around them; positions may. Rotations take the short way from key to key: a turn by more than 180° wants
 //! a key between.
 
@@ -116,9 +130,11 @@ mod place;
 mod pose;
 mod script;
 mod shapes;
+mod sky;
 mod source;
 mod texture;
 mod track;
+mod view;
 
 pub use animation::{Animation, Change};
 pub use error::Error;
@@ -126,3 +142,4 @@ pub use load::{load, load_lit};
 pub use model::{Frames, LoadedScene, MAX_SIZE, Pose, View};
 pub use options::{Eye, LightChoice, Options};
 pub use place::{Placement, Shift};
+pub use sky::SkyMap;

@@ -2,6 +2,8 @@
 
 use super::error::Error;
 use super::place::Placement;
+use super::sky::SkyMap;
+pub use super::view::View;
 use pmcip_core::tracer::scene::{
     Leaf8, Light, LightNode8, Material, Node8, SceneData, Surface, Texture, Triangle,
 };
@@ -9,19 +11,6 @@ use std::path::{Path, PathBuf};
 
 /// The largest width or height of an image, in pixels.
 pub const MAX_SIZE: u32 = pmcip_core::sampler::film::MAX_SIDE;
-
-/// From where a scene is seen, in coordinates that begin at the scene's [`origin`](LoadedScene::origin).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct View {
-    /// The eye.
-    pub from: [f32; 3],
-    /// A point in the middle of the image.
-    pub at: [f32; 3],
-    /// A direction that points up in the image.
-    pub up: [f32; 3],
-    /// Vertical field of view in degrees.
-    pub fov: f32,
-}
 
 /// Where everything stands in a frame: what is to be kept of it to know how things have moved since.
 #[derive(Clone, Debug, PartialEq)]
@@ -67,8 +56,12 @@ pub struct LoadedScene {
     pub lights: Vec<Light>,
     /// Tree over them; empty where they are few.
     pub light_nodes: Vec<LightNode8>,
-    /// The camera.
+    /// Light from outside, if there is any.
+    pub sky: Option<SkyMap>,
+    /// The camera; where the shutter is open for a time, as it opens.
     pub view: View,
+    /// The camera as the shutter closes, if it moves until then.
+    pub closing_view: Option<View>,
     /// Image width in pixels.
     pub width: u32,
     /// Image height in pixels.
@@ -104,6 +97,7 @@ impl LoadedScene {
             texels: &self.texels,
             lights: &self.lights,
             light_nodes: &self.light_nodes,
+            sky: self.sky.as_ref().map(SkyMap::lent),
         }
     }
 
@@ -122,15 +116,15 @@ impl LoadedScene {
     /// Makes sure that something shines, before time is spent on a black image.
     ///
     /// # Errors
-    /// If no triangle emits.
+    /// If no triangle emits and there is no sky.
     pub fn require_light(&self) -> Result<(), Error> {
-        if !self.lights.is_empty() {
+        if !self.lights.is_empty() || self.sky.is_some() {
             return Ok(());
         }
         let remedy = if is_obj(&self.path) {
             "give a material in the MTL file an emission (Ke)"
         } else {
-            "add [[lights]] or a material with emission"
+            "add [[lights]], a [sky] or a material with emission"
         };
         Err(Error::in_file(&self.path, format!("no light: {remedy}")))
     }

@@ -6,12 +6,12 @@ use glam::DVec3;
 /// What lights a scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
 pub enum LightChoice {
-    /// Its own lamps; an OBJ that has none, or that they leave in the dark, gets a lamp by the camera
+    /// Its own; an OBJ that has none, or that it leaves in the dark, gets a soft sky and a key light, in a room a lamp
     #[default]
     Auto,
-    /// Its own lamps alone
+    /// Its own alone
     Own,
-    /// A lamp by the camera beside its own
+    /// A soft sky and a key light beside its own, in a room or under a sky of its own a lamp by the camera
     Sky,
 }
 
@@ -26,6 +26,10 @@ pub struct Eye {
     pub up: Option<[f32; 3]>,
     /// Vertical field of view in degrees.
     pub fov: Option<f32>,
+    /// Diameter of the lens in scene units.
+    pub aperture: Option<f32>,
+    /// Distance along the view at which the picture is sharp.
+    pub focus: Option<f32>,
 }
 
 /// How a scene is loaded.
@@ -49,6 +53,8 @@ impl Eye {
             at: self.at.map_or(view.at, local),
             up: self.up.unwrap_or(view.up),
             fov: self.fov.unwrap_or(view.fov),
+            aperture: self.aperture.unwrap_or(view.aperture),
+            focus: self.focus.or(view.focus),
         }
     }
 }

@@ -14,6 +14,8 @@ pub(super) struct Script {
     pub paths: Vec<ObjectTrack>,
     /// One for each material that can change.
     pub glows: Vec<GlowTrack>,
+    /// Part of a frame's time in which the shutter is open, from the frame on.
+    pub shutter: f32,
     /// Whether a path has keys.
     pub moving: bool,
 }
@@ -45,14 +47,17 @@ pub(super) struct CameraTrack {
     pub at: Track<3>,
     pub up: Track<3>,
     pub fov: Track<1>,
+    pub aperture: Track<1>,
+    /// None: the distance of `at`.
+    pub focus: Option<Track<1>>,
 }
 
 impl CameraTrack {
-    /// The camera of a frame, in a scene whose coordinates begin at `origin`.
+    /// The camera at a time, in frames, in a scene whose coordinates begin at `origin`.
     ///
     /// # Errors
     /// If it looks nowhere.
-    pub fn at(&self, frame: u32, origin: DVec3) -> Result<View, &'static str> {
+    pub fn at(&self, frame: f64, origin: DVec3) -> Result<View, &'static str> {
         let [from, at, up] = [&self.from, &self.at, &self.up].map(|track| DVec3::from_array(track.at(frame)));
         let [from, at, up] = [from - origin, at - origin, up].map(|v| v.as_vec3());
         let forward = (at - from).try_normalize().ok_or("camera: from and at are the same point")?;
@@ -60,8 +65,10 @@ impl CameraTrack {
         if forward.cross(upward).length() < 1e-5 {
             return Err("camera: up is parallel to the view");
         }
-        let [fov] = self.fov.at(frame);
-        Ok(View { from: from.to_array(), at: at.to_array(), up: up.to_array(), fov: fov as f32 })
+        let one = |track: &Track<1>| track.at(frame)[0] as f32;
+        let focus = self.focus.as_ref().map(one);
+        let (fov, aperture) = (one(&self.fov), one(&self.aperture));
+        Ok(View { from: from.to_array(), at: at.to_array(), up: up.to_array(), fov, aperture, focus })
     }
 }
 

@@ -57,16 +57,17 @@ impl<const N: usize> Track<N> {
         Track { keys, interpolation, swing }
     }
 
-    /// The value of a frame.
-    pub fn at(&self, frame: u32) -> [f64; N] {
+    /// The value of a frame, or of a time between frames.
+    pub fn at(&self, frame: impl Into<f64>) -> [f64; N] {
+        let frame = frame.into();
         let Some((i, u)) = locate(&self.keys, frame) else { return self.end(frame) };
         std::array::from_fn(|c| self.component(i, u, c))
     }
 
     /// The value before the first key or after the last.
-    fn end(&self, frame: u32) -> [f64; N] {
+    fn end(&self, frame: f64) -> [f64; N] {
         let last = self.keys.len() - 1;
-        self.keys[if f64::from(frame) <= self.keys[0].0 { 0 } else { last }].1
+        self.keys[if frame <= self.keys[0].0 { 0 } else { last }].1
     }
 
     fn component(&self, i: usize, u: f64, c: usize) -> f64 {
@@ -110,8 +111,7 @@ impl<const N: usize> Track<N> {
 }
 
 /// The keys around a frame and how far it is from the first to the second; none outside of all keys.
-fn locate<T>(keys: &[(f64, T)], frame: u32) -> Option<(usize, f64)> {
-    let frame = f64::from(frame);
+fn locate<T>(keys: &[(f64, T)], frame: f64) -> Option<(usize, f64)> {
     let after = keys.partition_point(|key| key.0 <= frame);
     if after == 0 || after == keys.len() {
         return None;
@@ -184,7 +184,7 @@ impl Turn {
 
     /// The rotation of a frame.
     pub fn at(&self, frame: u32) -> Quat {
-        let Some((i, u)) = locate(&self.keys, frame) else {
+        let Some((i, u)) = locate(&self.keys, f64::from(frame)) else {
             let last = self.keys.len() - 1;
             return self.keys[if f64::from(frame) <= self.keys[0].0 { 0 } else { last }].1;
         };

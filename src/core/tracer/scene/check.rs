@@ -17,7 +17,8 @@ pub(super) fn check(data: &SceneData<'_>) -> Result<(), Error> {
     check_each(data.materials, Error::Material, |m| m.is_valid(data.textures.len()))?;
     check_each(data.textures, Error::Texture, |t| t.is_valid(data.texels.len()))?;
     check_lights(data)?;
-    check_light_tree(data)
+    check_light_tree(data)?;
+    if data.sky.is_none_or(|sky| sky.is_valid()) { Ok(()) } else { Err(Error::Sky) }
 }
 
 fn check_each<T>(items: &[T], error: fn(usize) -> Error, valid: impl Fn(&T) -> bool) -> Result<(), Error> {

@@ -3,6 +3,7 @@
 use super::hierarchy::{Leaf8, MAX_DEPTH, Node8};
 use super::light::Light;
 use super::light_tree::LightNode8;
+use super::sky::Sky;
 use super::surface::{Material, Surface, Texture, Triangle};
 
 /// The slices a scene is made of, unchecked.
@@ -29,6 +30,8 @@ pub struct SceneData<'a> {
     /// Tree over the lights, as [`light_tree::build`](super::light_tree::build) makes it; node 0 is the root. Empty: lights are
     /// picked by power alone.
     pub light_nodes: &'a [LightNode8],
+    /// Light from outside, if there is any.
+    pub sky: Option<Sky<'a>>,
 }
 
 /// Why lent slices are not a scene.
@@ -64,6 +67,9 @@ pub enum Error {
     LightNode(usize),
     /// A node or a light has more than one place in the light tree, or none.
     LightTree,
+    /// A slice of the sky has the wrong length or a table does not rise to [`STEPS`](super::sky::STEPS), or a number of it
+    /// is out of range.
+    Sky,
 }
 
 impl core::fmt::Display for Error {
@@ -85,6 +91,7 @@ impl core::fmt::Display for Error {
                 write!(f, "node {i} of the light tree has a bad power or a child that is not there")
             }
             Error::LightTree => write!(f, "every node and every light must have one place in the light tree"),
+            Error::Sky => write!(f, "the sky has a table or a number that is out of range"),
             Error::Light(i) => write!(f, "light {i} has no triangle or its probability does not rise to one"),
         }
     }

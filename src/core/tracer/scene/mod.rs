@@ -9,6 +9,7 @@ mod data;
 mod hierarchy;
 pub mod light;
 pub mod light_tree;
+pub mod sky;
 mod surface;
 
 pub use data::{Error, SceneData};
@@ -16,6 +17,7 @@ pub(crate) use hierarchy::STACK;
 pub use hierarchy::{Leaf8, MAX_DEPTH, Node8};
 pub use light::Light;
 pub use light_tree::{LIGHT_LEAF, LightNode8, MAX_LIGHT_DEPTH};
+pub use sky::{Sky, Sun};
 pub use surface::{MIN_ROUGHNESS, Material, NO_TEXTURE, Scattering, Surface, Texture, Triangle};
 
 /// A scene that has been checked: every index leads somewhere, the tree is a tree of bounded depth.
@@ -59,6 +61,23 @@ impl<'a> Scene<'a> {
     #[inline(always)]
     pub(crate) fn has_textured_light(&self) -> bool {
         self.textured_light
+    }
+
+    /// Whether anything shines: a triangle or the sky.
+    #[inline(always)]
+    pub(crate) fn is_lit(&self) -> bool {
+        !self.data.lights.is_empty() || self.data.sky.is_some()
+    }
+
+    /// Probability that light is looked for at triangles, not at the sky: evenly divided where there are both, which is
+    /// at most twice the variance of the best division, whatever the scene.
+    #[inline(always)]
+    pub(crate) fn lamp_share(&self) -> f32 {
+        match (self.data.sky, self.data.lights) {
+            (None, _) => 1.0,
+            (Some(_), []) => 0.0,
+            (Some(_), _) => 0.5,
+        }
     }
 
     /// One over the lights' total power (luminance times area, up to π).

@@ -35,17 +35,17 @@ impl Chance {
     }
 }
 
-/// What `rays` meet, cut-outs by chance; none if no ray meets anything. Distances are from the rays' origins.
+/// What `rays` meet, cut-outs by chance; no surfaces if no ray meets anything. Distances are from the rays' origins.
 #[inline(always)]
-pub(super) fn meet(tracer: &mut Tracer<'_>, rays: &Rays8, chance: Chance) -> Option<(SurfacePoints, Hits8)> {
+pub(super) fn meet(tracer: &mut Tracer<'_>, rays: &Rays8, chance: Chance) -> (Option<SurfacePoints>, Hits8) {
     let hits = tracer.closest(rays);
     if !hits.any() {
-        return None;
+        return (None, hits);
     }
     let surface = SurfacePoints::at(tracer.scene(), rays, &hits);
     match tracer.scene().is_cut_out() {
         true => go_on(tracer, *rays, surface, hits, |layer| chance.at(layer)),
-        false => Some((surface, hits)),
+        false => (Some(surface), hits),
     }
 }
 
@@ -56,8 +56,7 @@ pub fn seen(tracer: &mut Tracer<'_>, rays: &Rays8) -> Hits8 {
         return hits;
     }
     let surface = SurfacePoints::at(tracer.scene(), rays, &hits);
-    let met = go_on(tracer, *rays, surface, hits, |_| f32x8::HALF);
-    met.map_or(Hits8::none(rays.t_max), |(_, hits)| hits)
+    go_on(tracer, *rays, surface, hits, |_| f32x8::HALF).1
 }
 
 /// Takes rays on through surfaces of which the part that is there is not above `chance(layer)`.
@@ -67,7 +66,7 @@ fn go_on(
     mut surface: SurfacePoints,
     mut hits: Hits8,
     chance: impl Fn(u32) -> f32x8,
-) -> Option<(SurfacePoints, Hits8)> {
+) -> (Option<SurfacePoints>, Hits8) {
     let start = rays.origin;
     let mut on = surface.hit;
     for layer in 0..MOST_LAYERS {
@@ -86,7 +85,7 @@ fn go_on(
         };
         surface = SurfacePoints::at(tracer.scene(), &rays, &hits);
     }
-    hits.any().then_some((surface, hits))
+    (hits.any().then_some(surface), hits)
 }
 
 /// The part of the light that passes along `rays`, 0 to 1.

@@ -13,12 +13,13 @@
 //! points of a pixel are one well-spread sequence, which repeats after 2³² of them.
 
 use super::cutout::{self, Chance};
+use super::emitters::Emitters;
 use super::hit::SurfacePoints;
 use super::light::are_few;
 use super::path::{self, PathTracer, Traffic, Wavefront};
 use super::queue::{Open, Packet, Paths};
 use super::rough::Rough;
-use super::vertex::{self, Frame, SETS, aim, lights, scatter, scatter_specular};
+use super::vertex::{self, Frame, SETS, scatter, scatter_specular};
 use crate::maths::sobol;
 use crate::sampler::batch::{Batch8, Integrand, Rgb8};
 use crate::tracer::camera::Camera;
@@ -80,11 +81,11 @@ impl<'a> DirectLighting<'a> {
         let share = f32x8::splat(scattered as f32 / light as f32);
         let (scene, mut part) = (*self.paths.tracer.scene(), *paths);
         let few = are_few(&scene);
-        let lights = lights(&scene, &mut part, surface);
+        let emitters = Emitters::new(&scene, &mut part, surface);
         part.throughput = paths.throughput * f32x8::splat(1.0 / light as f32);
         for number in 0..light {
-            let (u, v) = sobol::point(nth(paths, light, number), paths.key, SETS * depth - 2);
-            let shadow = aim(&part, surface, &frame, &bsdf, &lights.sample(u, v), share);
+            let point = sobol::point(nth(paths, light, number), paths.key, SETS * depth - 2);
+            let shadow = emitters.aim(&part, surface, &frame, &bsdf, point, share);
             self.paths.queue_shadows(&shadow, rough, radiance);
         }
         part.throughput = paths.throughput * f32x8::splat(1.0 / scattered as f32);
@@ -110,6 +111,9 @@ impl<'a> DirectLighting<'a> {
     }
 }
 
+/// Any depth of segments that do not come from the eye.
+const STRAY: u32 = 2;
+
 /// Number in a Sobol set of the `number`-th of `count` points that each sample takes from it.
 #[inline(always)]
 fn nth(paths: &Paths, count: u32, number: u32) -> u32x8 {
@@ -121,21 +125,24 @@ fn stray_arrives(tracer: &mut PathTracer<'_>, paths: &Paths, radiance: &mut [Rgb
     // Its paths may be of different depths, and several of one sample.
     let salt = sobol::hash8(bytemuck::cast(paths.direction.x));
     let chance = Chance { key: paths.key ^ salt, ..paths.chance(0) };
-    _ = arrive(tracer, paths, chance, radiance);
+    _ = arrive(tracer, paths, (STRAY, chance), radiance);
 }
 
-/// Traces a packet and adds what the surfaces that it meets emit; returns them, if there are any.
+/// Traces a packet, segment number `depth` of its paths, and adds what it meets of surfaces that emit and of the sky;
+/// returns the surfaces, if there are any. `chance` decides at cut-outs.
 #[inline(always)]
 pub(super) fn arrive(
     tracer: &mut PathTracer<'_>,
     paths: &Paths,
-    chance: Chance,
+    (depth, chance): (u32, Chance),
     radiance: &mut [Rgb8],
 ) -> Option<SurfacePoints> {
     let rays = paths.rays();
     tracer.traffic.packets += 1;
     tracer.traffic.rays += u64::from(paths.lanes);
-    let (surface, hits) = cutout::meet(&mut tracer.tracer, &rays, chance)?;
+    let (surface, hits) = cutout::meet(&mut tracer.tracer, &rays, chance);
+    tracer.add_sky(paths, &hits, depth, radiance);
+    let surface = surface?;
     tracer.add_emission(paths, &surface, &hits, radiance);
     Some(surface)
 }
@@ -147,12 +154,13 @@ impl<'a> Wavefront<'a> for DirectLighting<'a> {
 
     /// Takes one packet through one segment of its chain.
     fn bounce(&mut self, paths: &Paths, depth: u32, radiance: &mut [Rgb8]) {
-        let Some(surface) = arrive(&mut self.paths, paths, paths.chance(depth), radiance) else { return };
+        let order = (depth, paths.chance(depth));
+        let Some(surface) = arrive(&mut self.paths, paths, order, radiance) else { return };
         if depth >= self.paths.max_depth {
             return;
         }
         let rough = surface.scatters(Scattering::Rough);
-        if rough.any() && !self.paths.tracer.scene().data().lights.is_empty() {
+        if rough.any() && self.paths.tracer.scene().is_lit() {
             self.light(paths, &surface, rough, depth, radiance);
         }
         let specular = surface.hit & !rough;

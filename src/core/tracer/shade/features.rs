@@ -1,20 +1,22 @@
 //! What is seen without light: albedo, normal and depth of the first rough surface, pixel by pixel.
 //!
 //! Eight rays a pixel, stratified over it, follow mirrors and smooth glass: at glass the way most light takes, so that chance
-//! does not enter. Albedo is tinted by what it is seen in. No lights, no
+//! does not enter. Albedo is tinted by what it is seen in; that of the sky is its radiance, up to 1. No lights, no
 //! shadows: a pixel costs one packet of coherent rays, and one more for every segment of a chain. The points are the same
 //! in every frame, whatever its seed; see [`Feature`] for what comes out.
 
 use super::cutout;
 use super::hit::SurfacePoints;
 use super::queue::Paths;
+use super::sky;
 use super::vertex::scatter_specular;
 use crate::maths::sobol::{self, PixelKeys};
 use crate::maths::vec3::Vec3x8;
+use crate::sampler::batch::Batch8;
 use crate::sampler::guide::Feature;
-use crate::tracer::camera::Camera;
+use crate::tracer::camera::{Camera, Primary};
 use crate::tracer::scene::{Scattering, Scene};
-use crate::tracer::trace::{Rays8, Tracer};
+use crate::tracer::trace::{MISS, Rays8, Tracer};
 use wide::{f32x8, u32x8};
 
 /// Key of the points: its own, so that features are independent of the samples.
@@ -62,8 +64,10 @@ impl<'a> Features<'a> {
         for segment in 0..self.max_depth {
             let t_max = alive.select(f32x8::splat(f32::INFINITY), f32x8::splat(-1.0));
             let rays = Rays8 { origin: paths.origin, direction: paths.direction, t_max };
-            let chance = paths.chance(segment + 1);
-            let Some((surface, hits)) = cutout::meet(&mut self.tracer, &rays, chance) else { break };
+            let (surface, hits) = cutout::meet(&mut self.tracer, &rays, paths.chance(segment + 1));
+            let missed: f32x8 = bytemuck::cast(hits.triangle.simd_eq(u32x8::splat(MISS)));
+            seen.note_sky(self.tracer.scene(), &paths, alive & missed, segment == 0);
+            let Some(surface) = surface else { break };
             seen.depth += surface.hit & hits.t;
             if segment == 0 {
                 seen.covered = surface.hit & f32x8::ONE;
@@ -85,9 +89,10 @@ impl<'a> Features<'a> {
         let key = PixelKeys::new(SEED, 0).at(u32x8::splat(y << 16 | x));
         let (u, v) = sobol::point(index, key, 0);
         let (x, y) = (f32x8::splat(x as f32) + u, f32x8::splat(y as f32) + v);
+        let Primary { origin, direction } = self.camera.rays(&Batch8 { lanes: 8, x, y, index, key });
         Paths {
-            origin: Vec3x8::splat(self.camera.origin()),
-            direction: self.camera.directions(x, y),
+            origin,
+            direction,
             throughput: Vec3x8::splat([1.0; 3]),
             density: f32x8::splat(f32::INFINITY),
             compression: f32x8::ONE,
@@ -104,14 +109,28 @@ impl Seen {
     /// Replaces what was seen in the lanes that have met `surface`.
     #[inline(always)]
     fn note(&mut self, paths: &Paths, surface: &SurfacePoints) {
-        let one = f32x8::ONE;
-        let tint = paths.throughput * (one / paths.compression);
         let reflected = surface.diffuse + surface.specular;
         let shines = surface.emission.max_component().simd_gt(f32x8::ZERO);
-        let albedo = Vec3x8::select(shines, Vec3x8::splat([1.0; 3]), reflected).scaled(tint);
-        let albedo = Vec3x8::new(albedo.x.fast_min(one), albedo.y.fast_min(one), albedo.z.fast_min(one));
-        self.albedo = Vec3x8::select(surface.hit, albedo, self.albedo);
+        let albedo = Vec3x8::select(shines, Vec3x8::splat([1.0; 3]), reflected);
+        self.note_albedo(paths, albedo, surface.hit);
         self.normal = Vec3x8::select(surface.hit, surface.normal, self.normal);
+    }
+
+    /// Replaces the albedo in the lanes that have `missed` everything by what the sky shows.
+    fn note_sky(&mut self, scene: &Scene<'_>, paths: &Paths, missed: f32x8, is_first: bool) {
+        match &scene.data().sky {
+            Some(sky) if missed.any() && (sky.visible || !is_first) => {
+                self.note_albedo(paths, capped(sky::radiance(sky, paths.direction)), missed);
+            }
+            _ => {}
+        }
+    }
+
+    /// Replaces the albedo in `lanes`, tinted by what it is seen in.
+    #[inline(always)]
+    fn note_albedo(&mut self, paths: &Paths, albedo: Vec3x8, lanes: f32x8) {
+        let tint = paths.throughput * (f32x8::ONE / paths.compression);
+        self.albedo = Vec3x8::select(lanes, capped(albedo.scaled(tint)), self.albedo);
     }
 
     /// Means over the rays.
@@ -122,6 +141,13 @@ impl Seen {
             depth: mean(self.depth),
         }
     }
+}
+
+/// Components up to 1.
+#[inline(always)]
+fn capped(v: Vec3x8) -> Vec3x8 {
+    let one = f32x8::ONE;
+    Vec3x8::new(v.x.fast_min(one), v.y.fast_min(one), v.z.fast_min(one))
 }
 
 /// The mean of eight numbers.

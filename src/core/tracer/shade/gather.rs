@@ -229,8 +229,8 @@ impl<'a> Wavefront<'a> for Gather<'a> {
 
     /// Takes one packet through one segment.
     fn bounce(&mut self, paths: &Paths, depth: u32, radiance: &mut [Rgb8]) {
-        let chance = paths.chance(depth);
-        let Some(mut surface) = arrive(&mut self.paths, &seeing(paths), chance, radiance) else { return };
+        let order = (depth, paths.chance(depth));
+        let Some(mut surface) = arrive(&mut self.paths, &seeing(paths), order, radiance) else { return };
         if depth >= self.paths.max_depth {
             return;
         }

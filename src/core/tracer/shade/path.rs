@@ -10,18 +10,17 @@
 //! only hits that are equal up to rounding can depend on the other rays of a packet.
 
 use super::cutout;
+use super::emitters::{Emitters, from_sky};
 use super::hit::SurfacePoints;
-use super::light::{self};
+use super::light;
 use super::queue::{Paths, Queue, SLACK};
 use super::rough::Rough;
 use super::shadow::{ShadowRays, Shadows};
-use super::vertex::{
-    Frame, SETS, SHADOW_REACH, aim, emitted, lights, reject_nan, scatter, scatter_specular, survivors,
-};
+use super::vertex::{Frame, SETS, SHADOW_REACH, emitted, reject_nan, scatter, scatter_specular, survivors};
 use crate::maths::sobol;
 use crate::maths::vec3::Vec3x8;
 use crate::sampler::batch::{Batch8, Integrand, Rgb8};
-use crate::tracer::camera::Camera;
+use crate::tracer::camera::{Camera, Primary};
 use crate::tracer::scene::{Scattering, Scene};
 use crate::tracer::trace::{Hits8, Rays8, Tracer};
 use wide::{f32x8, u32x8};
@@ -89,8 +88,8 @@ impl<'a> PathTracer<'a> {
         let Some(camera) = self.camera else { return };
         self.queue.clear();
         for (number, batch) in batches.iter().enumerate() {
-            let (x, y) = (batch.x, batch.y);
-            self.queue.start(&begin(batch, number, Vec3x8::splat(camera.origin()), camera.directions(x, y)));
+            let Primary { origin, direction } = camera.rays(batch);
+            self.queue.start(&begin(batch, number, origin, direction));
         }
     }
 
@@ -104,6 +103,14 @@ impl<'a> PathTracer<'a> {
     ) {
         if let Some((value, lit)) = emitted(self.tracer.scene(), paths, surface, hits) {
             super::shadow::accumulate(radiance, paths.slot, value, lit.to_bitmask());
+        }
+    }
+
+    /// Adds what paths that meet nothing see of the sky, weighted against aiming at it. `depth` counts their segments.
+    #[inline(always)]
+    pub(super) fn add_sky(&self, paths: &Paths, hits: &Hits8, depth: u32, radiance: &mut [Rgb8]) {
+        if let Some((value, lanes)) = from_sky(self.tracer.scene(), paths, hits, depth == 1) {
+            super::shadow::accumulate(radiance, paths.slot, value, lanes);
         }
     }
 
@@ -135,10 +142,10 @@ impl<'a> PathTracer<'a> {
     ) {
         let frame = Frame::new(surface.normal);
         let bsdf = Rough::new(surface, frame.to_local(-next.direction));
-        if !self.tracer.scene().data().lights.is_empty() {
-            let (u, v) = sobol::point(next.index, next.key, SETS * depth - 2);
-            let point = lights(self.tracer.scene(), next, surface).sample(u, v);
-            let shadow = aim(next, surface, &frame, &bsdf, &point, f32x8::ONE);
+        if self.tracer.scene().is_lit() {
+            let point = sobol::point(next.index, next.key, SETS * depth - 2);
+            let emitters = Emitters::new(self.tracer.scene(), next, surface);
+            let shadow = emitters.aim(next, surface, &frame, &bsdf, point, f32x8::ONE);
             self.queue_shadows(&shadow, rough, radiance);
         }
         let point = sobol::point(next.index, next.key, SETS * depth - 1);
@@ -248,7 +255,9 @@ impl<'a> Wavefront<'a> for PathTracer<'a> {
         let rays = paths.rays();
         self.traffic.packets += 1;
         self.traffic.rays += u64::from(paths.lanes);
-        let Some((surface, hits)) = cutout::meet(&mut self.tracer, &rays, paths.chance(depth)) else {
+        let (surface, hits) = cutout::meet(&mut self.tracer, &rays, paths.chance(depth));
+        self.add_sky(paths, &hits, depth, radiance);
+        let Some(surface) = surface else {
             return;
         };
         self.add_emission(paths, &surface, &hits, radiance);

@@ -15,6 +15,20 @@ pub(super) struct ShadowRays {
     pub slot: u32x8,
 }
 
+impl ShadowRays {
+    /// `a` where the mask's bits are set, `b` elsewhere. Both are of the same samples.
+    #[inline(always)]
+    pub fn select(mask: f32x8, a: &ShadowRays, b: &ShadowRays) -> ShadowRays {
+        ShadowRays {
+            origin: Vec3x8::select(mask, a.origin, b.origin),
+            direction: Vec3x8::select(mask, a.direction, b.direction),
+            t_max: mask.select(a.t_max, b.t_max),
+            value: Vec3x8::select(mask, a.value, b.value),
+            slot: a.slot,
+        }
+    }
+}
+
 const ROWS: usize = 10;
 
 /// The open packet of shadow rays.

@@ -2,7 +2,8 @@
 //! Mapping*, 2001).
 //!
 //! A photon path starts at a point of a light, picked by power, in a direction of cosine density, and is scattered
-//! like a path from the eye. Two maps keep what arrives at rough surfaces: the *global* map everything, the
+//! like a path from the eye. One from the sky starts at a disc outside of the scene, as wide as what it is aimed at: all of
+//! the scene, or the mirrors and glass in it. Two maps keep what arrives at rough surfaces: the *global* map everything, the
 //! *caustic* map only what came through mirrors and glass alone. By chance a photon is absorbed rather than scattered,
 //! so that those that go on keep about their power.
 //!
@@ -14,9 +15,9 @@
 
 use super::cutout;
 use super::hit::SurfacePoints;
-use super::light::Lights;
 use super::queue::{Packet, Paths, Queue, SLACK};
-use super::rough::{self, Rough};
+use super::rough::Rough;
+use super::source::{Bounds, Source};
 use super::vertex::{Frame, SETS, scatter_specular};
 use crate::maths::sobol;
 use crate::maths::vec3::Vec3x8;
@@ -52,6 +53,8 @@ pub struct Shooter<'a> {
     tracer: Tracer<'a>,
     queue: Queue<'a>,
     max_depth: u32,
+    /// Around all that there is.
+    all: Option<Bounds>,
     specular: Option<Bounds>,
 }
 
@@ -72,7 +75,8 @@ impl<'a> Shooter<'a> {
     /// `memory` is scratch: [`required`](Self::required) says how much.
     pub fn new(scene: Scene<'a>, max_depth: u32, memory: &'a mut [Packet]) -> Self {
         Shooter {
-            specular: Bounds::of_specular(&scene),
+            all: Bounds::of(&scene, |_| true),
+            specular: Bounds::of(&scene, |scattering| scattering != Scattering::Rough),
             tracer: Tracer::new(scene),
             queue: Queue::new(memory),
             max_depth,
@@ -85,14 +89,16 @@ impl<'a> Shooter<'a> {
     /// the paths that do not fit are not shot.
     pub fn shoot(&mut self, shots: &Shots, first: u32, count: u32, out: &mut [Photon]) -> usize {
         let segments = segments(shots.map, self.max_depth);
-        let lit = !self.tracer.scene().data().lights.is_empty();
-        let dark = shots.map == Map::Caustic && self.specular.is_none();
-        if segments == 0 || !lit || dark {
-            return 0;
-        }
+        let lit = self.tracer.scene().is_lit();
+        let target = match shots.map {
+            Map::Global => self.all,
+            Map::Caustic => self.specular,
+        };
+        let (Some(target), Some(all), true) = (target, self.all, lit && segments > 0) else { return 0 };
+        let source = Source::new(self.tracer.scene(), target, all);
         let room = (8 * self.queue.capacity()).min(out.len() / segments as usize) / 8 * 8;
         let count = (count as usize).min(room) as u32;
-        self.start(shots, first, count);
+        self.start(&source, shots, first, count);
         let mut used = 0;
         for depth in 1..=segments {
             for i in 0..self.queue.len() {
@@ -105,14 +111,14 @@ impl<'a> Shooter<'a> {
     }
 
     /// Fills the queue with `count` emitted photons.
-    fn start(&mut self, shots: &Shots, first: u32, count: u32) {
+    fn start(&mut self, source: &Source, shots: &Shots, first: u32, count: u32) {
         self.queue.clear();
         let frame = sobol::frame_key(shots.seed, shots.frame);
         let key = u32x8::splat(sobol::hash(frame ^ (shots.map as u32) << 16 ^ KEY));
         for start in (0..count).step_by(8) {
             let lane = u32x8::new([0, 1, 2, 3, 4, 5, 6, 7]);
             let index = u32x8::splat(first.wrapping_add(start)) + lane;
-            let paths = emit(self.tracer.scene(), shots.paths, index, key);
+            let paths = source.emit(self.tracer.scene(), shots.paths, index, key);
             let mut wanted = (1u32 << (count - start).min(8)) - 1;
             wanted &= paths.throughput.max_component().simd_gt(f32x8::ZERO).to_bitmask();
             if let (Map::Caustic, Some(bounds)) = (shots.map, &self.specular) {
@@ -126,7 +132,8 @@ impl<'a> Shooter<'a> {
     /// Takes one packet through one segment; returns how many photons it has written.
     fn bounce(&mut self, map: Map, paths: &Paths, depth: u32, is_last: bool, out: &mut [Photon]) -> usize {
         let rays = paths.rays();
-        let Some((surface, _)) = cutout::meet(&mut self.tracer, &rays, paths.chance(depth)) else { return 0 };
+        let (surface, _) = cutout::meet(&mut self.tracer, &rays, paths.chance(depth));
+        let Some(surface) = surface else { return 0 };
         let rough = surface.scatters(Scattering::Rough);
         let stored = store(map, paths, &surface, rough, depth, out);
         if is_last {
@@ -174,30 +181,6 @@ const fn segments(map: Map, max_depth: u32) -> u32 {
     match map {
         Map::Global => max_depth.saturating_sub(2),
         Map::Caustic => max_depth.saturating_sub(1),
-    }
-}
-
-/// Photons on their way off the lights, with their share of the power of `paths` paths.
-///
-/// By the exact density: the rounding of the table moves a good part of a faint lamp's share. A lamp with less than 2^-24
-/// of the power may have no share at all.
-fn emit(scene: &Scene<'_>, paths: u32, index: u32x8, key: u32x8) -> Paths {
-    let (u, v) = sobol::point(index, key, 1);
-    let point = Lights::by_power(scene).sample(u, v);
-    let (u, v) = sobol::point(index, key, 2);
-    let frame = Frame::new(point.normal);
-    let flux = f32x8::splat(core::f32::consts::PI / paths as f32) / point.exact_density;
-    Paths {
-        origin: point.position + point.normal * point.clearance,
-        direction: frame.to_world(rough::cosine_direction(u, v)),
-        throughput: point.radiance * flux,
-        density: f32x8::splat(f32::INFINITY),
-        compression: f32x8::ONE,
-        normal: u32x8::ZERO,
-        index,
-        key,
-        slot: u32x8::ZERO,
-        lanes: 8,
     }
 }
 
@@ -269,52 +252,6 @@ pub(super) fn survive(next: &mut Paths, before: &Paths, depth: u32) -> f32x8 {
     let (_, chance) = sobol::point(next.index, next.key, SETS * depth);
     next.throughput = next.throughput * (f32x8::ONE / survival);
     chance.simd_lt(survival)
-}
-
-/// A box.
-#[derive(Clone, Copy, Debug)]
-struct Bounds {
-    lower: [f32; 3],
-    upper: [f32; 3],
-}
-
-impl Bounds {
-    /// Around all mirrors and glass, a little wider; none if there are none.
-    fn of_specular(scene: &Scene<'_>) -> Option<Bounds> {
-        let data = scene.data();
-        let mut bounds = Bounds { lower: [f32::INFINITY; 3], upper: [f32::NEG_INFINITY; 3] };
-        for (triangle, surface) in data.triangles.iter().zip(data.surfaces) {
-            if data.materials[surface.material as usize].scattering == Scattering::Rough {
-                continue;
-            }
-            for corner in triangle.corners {
-                bounds.lower = [0, 1, 2].map(|i| bounds.lower[i].min(corner[i]));
-                bounds.upper = [0, 1, 2].map(|i| bounds.upper[i].max(corner[i]));
-            }
-        }
-        let size = [0, 1, 2].map(|i| bounds.upper[i] - bounds.lower[i]);
-        let margin = 1e-4 * size.iter().fold(0.0, |a: f32, b| a.max(*b));
-        let is_used = margin.is_finite() && bounds.lower[0] <= bounds.upper[0];
-        is_used.then(|| Bounds {
-            lower: bounds.lower.map(|v| v - margin),
-            upper: bounds.upper.map(|v| v + margin),
-        })
-    }
-
-    /// The lanes whose ray passes through the box, as bits.
-    fn meets(&self, paths: &Paths) -> u32 {
-        let (o, d) = (paths.origin, paths.direction);
-        let (mut enter, mut leave) = (f32x8::ZERO, f32x8::splat(f32::INFINITY));
-        for (axis, (o, d)) in [(o.x, d.x), (o.y, d.y), (o.z, d.z)].into_iter().enumerate() {
-            // Parallel rays divide by almost nothing instead of zero.
-            let slope = f32x8::ONE / d.abs().fast_max(f32x8::splat(1e-18)).copysign(d);
-            let a = (f32x8::splat(self.lower[axis]) - o) * slope;
-            let b = (f32x8::splat(self.upper[axis]) - o) * slope;
-            enter = enter.fast_max(a.fast_min(b));
-            leave = leave.fast_min(a.fast_max(b));
-        }
-        enter.simd_le(leave).to_bitmask()
-    }
 }
 
 #[cfg(test)]

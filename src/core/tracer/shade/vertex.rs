@@ -44,6 +44,7 @@ pub(super) fn emitted(
     let receiver = || Receiver { position: paths.origin, normal: unpack_unit(paths.normal) };
     let density =
         light::density(scene, receiver, hits.triangle, surface.typical_emission, by_chance.to_bitmask());
+    let density = density * f32x8::splat(scene.lamp_share());
     let aimed = density * hits.t * hits.t / surface.cosine;
     let weight = power_heuristic(paths.density, aimed);
     Some((paths.throughput.scaled(surface.emission) * weight, lit))
@@ -157,7 +158,7 @@ pub(super) fn survivors(next: &mut Paths, hit: f32x8, depth: u32) -> f32x8 {
 
 /// Weight of a technique of density `own` beside one of density `other`: a²/(a² + b²), without overflow.
 #[inline(always)]
-fn power_heuristic(own: f32x8, other: f32x8) -> f32x8 {
+pub(super) fn power_heuristic(own: f32x8, other: f32x8) -> f32x8 {
     let ratio = other / own;
     f32x8::ONE / (f32x8::ONE + ratio * ratio)
 }

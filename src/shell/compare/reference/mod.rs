@@ -195,9 +195,22 @@ fn fingerprint_of(picture_version: u32, scene: &LoadedScene, settings: &Settings
         add(bytemuck::cast_slice(&[t.scale, t.offset]));
     }
     add(bytemuck::cast_slice(&scene.texels));
+    if let Some(sky) = &scene.sky {
+        add(bytemuck::cast_slice(&[sky.width, sky.height, u32::from(sky.visible)]));
+        add(bytemuck::cast_slice(&sky.texels));
+        add(bytemuck::cast_slice(&sky.axes));
+        let sun = sky.sun.map(|sun| [sun.direction, sun.radiance, [sun.radius, 0.0, 0.0]]);
+        add(bytemuck::cast_slice(sun.as_slice()));
+    }
     let view = &settings.view;
     add(bytemuck::cast_slice(&[view.from, view.at, view.up]));
     add(&view.fov.to_le_bytes());
+    for lens in [Some(*view), settings.closing_view].into_iter().flatten().filter(|v| v.aperture > 0.0) {
+        add(bytemuck::cast_slice(&[lens.aperture, lens.focus.unwrap_or(0.0)]));
+    }
+    if let Some(view) = &settings.closing_view {
+        add(bytemuck::cast_slice(&[view.from, view.at, view.up, [view.fov, 0.0, 0.0]]));
+    }
     add(&scene.cd_per_unit.to_le_bytes());
     let numbers = [settings.sampler.width, settings.sampler.height, settings.max_depth];
     add(bytemuck::cast_slice(&numbers));

@@ -6,6 +6,7 @@ use crate::frame::schedule::{Growth, LEAST_SPP, PILOT_SPP, Target};
 use crate::scene::{LoadedScene, View};
 use pmcip_core::sampler::estimate::Estimator;
 use pmcip_core::sampler::{self, Schedule, Sequence};
+use pmcip_core::tracer::camera::{self, Camera};
 
 /// Samples a pixel where nobody says.
 pub const DEFAULT_SPP: u32 = 64;
@@ -37,8 +38,10 @@ pub struct Settings {
     pub integrator: Integrator,
     /// Longest path in segments, counted from the eye.
     pub max_depth: u32,
-    /// The camera.
+    /// The camera; where the shutter is open for a time, as it opens.
     pub view: View,
+    /// The camera as the shutter closes, if it moves until then.
+    pub closing_view: Option<View>,
     /// What a frame starts from that follows another one.
     pub startup: Startup,
     /// Whether a filtered frame is blended with those before it.
@@ -62,10 +65,24 @@ impl Settings {
             integrator: Integrator::Path,
             max_depth: scene.max_depth.unwrap_or(DEFAULT_DEPTH),
             view: scene.view,
+            closing_view: scene.closing_view,
             startup: Startup::Uniform,
             history: false,
             target: None,
             layers: Layers::default(),
+        }
+    }
+
+    /// The camera of the frame.
+    ///
+    /// # Errors
+    /// If the view is not defined.
+    pub fn camera(&self) -> Result<Camera, camera::Error> {
+        let (width, height) = (self.sampler.width, self.sampler.height);
+        let camera = self.view.camera(width, height)?;
+        match self.closing_view {
+            None => Ok(camera),
+            Some(view) => Ok(camera.moving_to(&view.camera(width, height)?)),
         }
     }
 
@@ -141,7 +158,8 @@ mod tests {
 
     /// Settings for a film of ten pixels.
     fn settings(method: Method, spp: u32) -> Settings {
-        let view = View { from: [0.0; 3], at: [0.0, 0.0, -1.0], up: [0.0, 1.0, 0.0], fov: 40.0 };
+        let (from, at, up) = ([0.0; 3], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]);
+        let view = View { from, at, up, fov: 40.0, aperture: 0.0, focus: None };
         let iterations = method.default_iterations(spp);
         Settings {
             spp,
@@ -151,6 +169,7 @@ mod tests {
             integrator: Integrator::Path,
             max_depth: 8,
             view,
+            closing_view: None,
             startup: Startup::Uniform,
             history: false,
             target: None,

@@ -23,12 +23,13 @@ impl Settings {
             integrator,
             max_depth,
             view,
+            closing_view,
             startup,
             history,
             target,
             layers,
         } = *self;
-        let View { from, at, up, fov } = view;
+        let View { from, at, up, fov, aperture, focus } = view;
         let list = json!({
             "spp": spp,
             "iterations": iterations,
@@ -44,6 +45,14 @@ impl Settings {
         let mut list = object(list);
         list.extend(of_sampler(&self.film()));
         list.extend(of_integrator(integrator));
+        if aperture > 0.0 {
+            list.insert("aperture".into(), short(aperture).into());
+            list.insert("focus".into(), focus.map(short).into());
+        }
+        if let Some(View { from, at, up, fov, aperture, focus }) = closing_view {
+            let open = json!([from.map(short), at.map(short), up.map(short), short(fov), short(aperture)]);
+            list.insert("shutter_closes".into(), json!([open, focus.map(short)]));
+        }
         if history {
             list.insert("history".into(), history.into());
         }
@@ -144,7 +153,15 @@ mod tests {
             sampler: sampler::Settings::new(5, 2),
             integrator: Integrator::Path,
             max_depth: 8,
-            view: View { from: [0.0; 3], at: [0.0, 0.0, -1.0], up: [0.0, 1.0, 0.0], fov: 40.0 },
+            view: View {
+                from: [0.0; 3],
+                at: [0.0, 0.0, -1.0],
+                up: [0.0, 1.0, 0.0],
+                fov: 40.0,
+                aperture: 0.0,
+                focus: None,
+            },
+            closing_view: None,
             startup: Startup::Uniform,
             history: false,
             target: None,
@@ -164,7 +181,7 @@ mod tests {
 
     #[test]
     fn every_setting_shows_in_the_list() {
-        let changes: [fn(&mut Settings); 33] = [
+        let changes: [fn(&mut Settings); 36] = [
             |s| s.spp = 17,
             |s| s.iterations = 9,
             |s| s.method = Method::Paper,
@@ -194,6 +211,9 @@ mod tests {
             |s| s.view.at[1] = 1.0,
             |s| s.view.up[2] = 1.0,
             |s| s.view.fov = 41.0,
+            |s| s.view.aperture = 0.1,
+            |s| (s.view.aperture, s.view.focus) = (0.1, Some(2.0)),
+            |s| s.closing_view = Some(s.view),
             |s| s.startup = Startup::Motion,
             |s| s.history = true,
             |s| s.layers = [Layer::Depth].into_iter().collect(),

@@ -35,7 +35,7 @@ macro_rules! key {
 
 key!(
     /// A key of the camera.
-    CameraKey { from: Point, at: Point, up: Point, fov: FieldOfView }
+    CameraKey { from: Point, at: Point, up: Point, fov: FieldOfView, aperture: Power, focus: Positive }
 );
 key!(
     /// A key of a mesh.

@@ -1,6 +1,7 @@
 //! The scene file: what TOML may say, and what it means.
 
 mod keys;
+mod sky;
 mod tables;
 mod tracks;
 mod value;
@@ -62,8 +63,12 @@ pub(super) fn load_scene(path: &Path, add_mesh: AddMesh, options: &Options) -> R
     let blame = |(offset, message): Fault| source.error(offset, message);
     scene.check_keys().map_err(blame)?;
     let frames = scene.frames().map_err(blame)?;
-    let mut script = Script { frames, moving: scene.moves(), ..Script::default() };
+    let mut script = Script { frames, shutter: scene.shutter(), moving: scene.moves(), ..Script::default() };
     let mut assembly = Assembly::new(options.strict);
+    if script.shutter > 0.0 && script.moving {
+        let what = "the shutter blurs what the camera does; objects stand still while it is open";
+        assembly.warn(format!("{}: {what}", path.display()));
+    }
     let mut names = BTreeMap::new();
     for (name, table) in &scene.materials {
         let index = assembly.add_named(table.material(), name);
@@ -104,11 +109,19 @@ pub(super) fn load_scene(path: &Path, add_mesh: AddMesh, options: &Options) -> R
     let camera = scene.camera.as_ref();
     let track = camera.map(|camera| {
         let track = camera.get_ref().track();
-        let view = track.at(script.first_frame(), DVec3::ZERO);
+        let view = track.at(f64::from(script.first_frame()), DVec3::ZERO);
         view.map(|_| track).map_err(|m| source.error(camera.span().start, m))
     });
     script.camera = track.transpose()?;
-    assembly.finish(path, scene.shot(), options, script)
+    let mut shot = scene.shot();
+    if let Some(table) = &scene.sky {
+        let file = path.with_file_name(table.get_ref().file.as_deref().unwrap_or_default());
+        let order = table.get_ref().order(&file, shot.cd_per_unit, table.span().start).map_err(blame)?;
+        let (sky, warnings) = order.sky()?;
+        warnings.into_iter().for_each(|warning| assembly.warn(warning));
+        shot.sky = Some(sky);
+    }
+    assembly.finish(path, shot, options, script)
 }
 
 /// Adds triangles as an object.
@@ -126,6 +139,7 @@ impl SceneFile {
     fn shot(&self) -> Shot {
         let default = Shot::default();
         Shot {
+            sky: None,
             width: self.film.width.map_or(default.width, |v| v.0),
             height: self.film.height.map_or(default.height, |v| v.0),
             cd_per_unit: self.film.cd_per_unit.map_or(default.cd_per_unit, |v| v.0),
@@ -153,7 +167,7 @@ impl SceneFile {
                 None => Ok(None),
             };
         };
-        let FramesTable { first, last, fps } = table.get_ref();
+        let FramesTable { first, last, fps, shutter: _ } = table.get_ref();
         if first > last {
             return Err((
                 table.span().start,
@@ -161,6 +175,11 @@ impl SceneFile {
             ));
         }
         Ok(Some(Frames { first: *first, last: *last, fps: fps.map_or(DEFAULT_FPS, |fps| fps.0) }))
+    }
+
+    /// Part of a frame's time in which the shutter is open.
+    fn shutter(&self) -> f32 {
+        self.frames.as_ref().and_then(|table| table.get_ref().shutter).map_or(0.0, |v| v.0)
     }
 
     /// Where the first key of any table stands.

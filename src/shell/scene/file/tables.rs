@@ -2,7 +2,7 @@
 
 use super::keys::{CameraKey, Keys, LightKey, MaterialKey, MeshKey, SphereKey};
 use super::value::{
-    Exposure, FieldOfView, Point, Positive, Power, Radiance, Reflectance, Roughness, Scale, Size,
+    Exposure, FieldOfView, Part, Point, Positive, Power, Radiance, Reflectance, Roughness, Scale, Size,
     Subdivisions,
 };
 use crate::scene::track::Interpolation;
@@ -20,6 +20,7 @@ pub(super) struct SceneFile {
     pub render: RenderTable,
     pub frames: Option<Spanned<FramesTable>>,
     pub camera: Option<Spanned<CameraTable>>,
+    pub sky: Option<Spanned<SkyTable>>,
     #[serde(default)]
     pub meshes: Vec<MeshTable>,
     #[serde(default)]
@@ -52,6 +53,7 @@ pub(super) struct FramesTable {
     pub first: u32,
     pub last: u32,
     pub fps: Option<Positive>,
+    pub shutter: Option<Part>,
 }
 
 #[derive(Deserialize)]
@@ -61,6 +63,8 @@ pub(super) struct CameraTable {
     pub at: Point,
     pub up: Option<Point>,
     pub fov: FieldOfView,
+    pub aperture: Option<Power>,
+    pub focus: Option<Positive>,
     #[serde(default)]
     pub interpolation: Interpolation,
     #[serde(default)]
@@ -122,6 +126,24 @@ pub(super) struct MaterialTable {
     pub interpolation: Interpolation,
     #[serde(default)]
     pub keys: Keys<MaterialKey>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct SkyTable {
+    pub file: Option<String>,
+    pub color: Option<Radiance>,
+    pub sun: Option<Point>,
+    pub haze: Option<Power>,
+    pub ground: Option<Reflectance>,
+    pub scale: Option<Power>,
+    pub rotate: Option<Point>,
+    #[serde(default = "yes")]
+    pub visible: bool,
+}
+
+fn yes() -> bool {
+    true
 }
 
 #[derive(Default, Deserialize)]

@@ -13,22 +13,26 @@ impl CameraTable {
     pub fn track(&self) -> CameraTrack {
         let (keys, blend) = (&self.keys, self.interpolation);
         let up = self.up.map_or(DVec3::Y, |up| up.exact());
+        let bounded =
+            |still: f32, keys: Vec<(u32, [f64; 1])>| Track::new([still.into()], keys, blend, Swing::Bounded);
+        let focus = named(keys, |k| k.focus.map(|v| [v.0.into()]));
+        let sharp = self.focus.map(|v| v.0).or(focus.first().map(|key| key.1[0] as f32));
         CameraTrack {
             from: points(keys, blend, self.from.exact(), |k| k.from),
             at: points(keys, blend, self.at.exact(), |k| k.at),
             up: points(keys, blend, up, |k| k.up),
-            fov: Track::new(
-                [self.fov.0.into()],
-                named(keys, |k| k.fov.map(|v| [v.0.into()])),
-                blend,
-                Swing::Bounded,
+            fov: bounded(self.fov.0, named(keys, |k| k.fov.map(|v| [v.0.into()]))),
+            aperture: bounded(
+                self.aperture.map_or(0.0, |v| v.0),
+                named(keys, |k| k.aperture.map(|v| [v.0.into()])),
             ),
+            focus: sharp.map(|still| bounded(still, focus)),
         }
     }
 }
 
 /// Turns about the fixed x, y and z axis in this order, by degrees.
-fn rotation(degrees: Point) -> Quat {
+pub(super) fn rotation(degrees: Point) -> Quat {
     let turn = |axis, angle: f32| Quat::from_axis_angle(axis, angle.to_radians());
     let degrees = degrees.vec3();
     turn(Vec3::Z, degrees.z) * turn(Vec3::Y, degrees.y) * turn(Vec3::X, degrees.x)

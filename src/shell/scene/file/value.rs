@@ -39,6 +39,10 @@ checked!(
     Power(f32), "a finite number, not below 0", |v| v.is_finite() && *v >= 0.0
 );
 checked!(
+    /// A part of something.
+    Part(f32), "a number from 0 to 1", |v| (0.0..=1.0).contains(v)
+);
+checked!(
     /// The width of a lobe.
     Roughness(f32), "a number from 0.000001 to 1", |v| (MIN_ROUGHNESS..=1.0).contains(v)
 );

@@ -130,7 +130,8 @@ const STEPS: f32 = (1 << 24) as f32;
 #[inline(always)]
 pub(super) fn are_few(scene: &Scene<'_>) -> bool {
     // Through a cut-out lamp another one may be seen.
-    scene.data().lights.len() <= SHORT && !scene.is_cut_out()
+    let data = scene.data();
+    data.lights.len() <= SHORT && !scene.is_cut_out() && data.sky.is_none()
 }
 
 /// Tables up to this length are searched from the front.

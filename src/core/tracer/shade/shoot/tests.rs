@@ -49,9 +49,11 @@ impl Lamps {
 fn emitted(scene: &Scene<'_>) -> ([f64; LAMPS], [u32; LAMPS]) {
     let (mut power, mut photons) = ([0.0; LAMPS], [0; LAMPS]);
     let key = u32x8::splat(77);
+    let all = Bounds::of(scene, |_| true).expect("the lamps have a place");
+    let source = Source::new(scene, all, all);
     for first in (0..PATHS).step_by(8) {
         let index = u32x8::splat(first) + u32x8::new([0, 1, 2, 3, 4, 5, 6, 7]);
-        let paths = emit(scene, PATHS, index, key);
+        let paths = source.emit(scene, PATHS, index, key);
         for (x, flux) in paths.origin.x.to_array().into_iter().zip(paths.throughput.x.to_array()) {
             let lamp = (x / 10.0) as usize;
             power[lamp] += f64::from(flux);
