@@ -146,7 +146,7 @@ fn unknown_keys_name_key_and_line() {
         "s.toml:3: unknown field `heigth`, expected one of `width`, `height`, `cd_per_unit`, `exposure` in `film`",
     );
     assert!(
-        message(&[("s.toml", "\n[sky]\n")]).starts_with("s.toml:2: unknown field `sky`, expected one of")
+        message(&[("s.toml", "\n[fog]\n")]).starts_with("s.toml:2: unknown field `fog`, expected one of")
     );
 }
 
