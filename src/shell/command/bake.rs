@@ -1,7 +1,7 @@
 //! The command `bake`: a lightmap.
 
 use super::arguments::Bake;
-use super::common::{Failure, bad, blame, failed, print_json, say};
+use super::common::{Failure, admit, bad, blame, failed, print_json, say};
 use super::progress;
 use pmcip::bake::atlas::{Atlas, Fineness};
 use pmcip::bake::check::{Check, check};
@@ -78,7 +78,7 @@ pub fn bake_lightmap(arguments: &Bake) -> Result<(), Failure> {
         (false, false) => say(&report.to_string()),
         (false, true) => {}
     }
-    Ok(())
+    admit(arguments.quiet, lightmap.tally)
 }
 
 fn fineness(arguments: &Bake) -> Fineness {

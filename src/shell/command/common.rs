@@ -101,7 +101,7 @@ pub fn eye(common: &Common) -> Eye {
 ///
 /// # Errors
 /// If they are more than a hundredth of all.
-pub fn admit(common: &Common, tally: Tally) -> Result<(), Failure> {
+pub fn admit(quiet: bool, tally: Tally) -> Result<(), Failure> {
     let all = tally.samples + tally.rejected;
     let part = tally.rejected as f64 / all.max(1) as f64;
     let message = || {
@@ -112,7 +112,9 @@ pub fn admit(common: &Common, tally: Tally) -> Result<(), Failure> {
         0 => Ok(()),
         _ if part > REJECTABLE => Err(Failure { code: 3, message: message() }),
         _ => {
-            note(common, format!("warning: {}", message()));
+            if !quiet {
+                eprintln!("warning: {}", message());
+            }
             Ok(())
         }
     }

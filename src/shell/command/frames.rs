@@ -110,7 +110,7 @@ pub fn render_frames(arguments: &Render, list: &List) -> Result<(), Failure> {
     if !arguments.json && !arguments.common.quiet {
         say(&sequence.summary(&settings, video.is_ok()));
     }
-    video.and_then(|()| admit(&arguments.common, sequence.total.tally))
+    video.and_then(|()| admit(arguments.common.quiet, sequence.total.tally))
 }
 
 impl Sequence<'_> {

@@ -14,5 +14,5 @@ pub fn render_reference(arguments: &Reference) -> Result<(), Failure> {
     frame_io::write_exr(&arguments.output, &frame.picture(&settings, &scene)).map_err(failed)?;
     let report = Rendered::new(&scene, &settings, &frame, std::slice::from_ref(&arguments.output));
     print(&arguments.common, arguments.json, &report);
-    admit(&arguments.common, frame.tally)
+    admit(arguments.common.quiet, frame.tally)
 }

@@ -24,7 +24,7 @@ pub fn render_frame(arguments: &Render) -> Result<(), Failure> {
     let files = [exr, png];
     let report = Rendered::new(&scene, &settings, &frame, &files);
     print(&arguments.common, arguments.json, &report);
-    admit(&arguments.common, frame.tally)
+    admit(arguments.common.quiet, frame.tally)
 }
 
 /// The file that is asked for, or one named after the scene.

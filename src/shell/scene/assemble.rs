@@ -160,11 +160,13 @@ impl Assembly {
         let has_lamp = options.light == LightChoice::Sky || options.light == LightChoice::Auto && is_dark;
         if has_lamp {
             let eye = options.eye.applied(&view, origin.to_array());
+            let indoors = sky.is_some() || lamp::is_indoors(&eye, &geometry);
             if is_dark {
-                let why = "no light: no material has an emission (Ke); a soft sky and a key light instead, in a room a lamp by the camera (--light own: without)";
-                self.warn(format!("{}: {why}", path.display()));
+                let light = if indoors { "a lamp by the camera" } else { "a soft sky and a key light" };
+                let why = "no light: no material has an emission (Ke)";
+                self.warn(format!("{}: {why}; {light} instead (--light own: without)", path.display()));
             }
-            if sky.is_some() || lamp::is_indoors(&eye, &geometry) {
+            if indoors {
                 self.add_lamp(path, &eye, &geometry, origin);
                 script.paths.push(ObjectTrack::Still);
                 placements.push(Placement::IDENTITY);
