@@ -4,7 +4,7 @@ use pmcip::Film;
 use pmcip_core::sampler::batch::{Batch8, Integrand, Rgb8};
 use pmcip_core::sampler::estimate::Estimator;
 use pmcip_core::sampler::guide::Feature;
-use pmcip_core::sampler::state::Saved;
+use pmcip_core::sampler::saved::Saved;
 use pmcip_core::sampler::wave::{Piece, Wave, points};
 use pmcip_core::sampler::{Error, Memory, Sampler, Settings, Workspace};
 use wide::f32x8;

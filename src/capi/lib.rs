@@ -17,7 +17,7 @@ use border::{lent, lent_mut, place, run};
 use core::ffi::{c_char, c_void};
 use pmcip_core::predict::{Belief, Prior};
 use pmcip_core::sampler::guide::{Feature, Filter};
-use pmcip_core::sampler::state::Saved;
+use pmcip_core::sampler::saved::Saved;
 use pmcip_core::sampler::wave::{self, Piece, Wave};
 use pmcip_core::sampler::{Job, Jobs, Memory, Sampler, Settings};
 pub use types::*;

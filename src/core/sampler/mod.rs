@@ -36,13 +36,13 @@
 #![doc = include_str!("defaults.md")]
 
 use crate::maths::sobol::{PixelKeys, frame_key, hash};
-use crate::predict::{Belief, Prior};
+use crate::predict::Prior;
 use crate::sampler::allocate::open::{CLOSED, allocate_open};
 use crate::sampler::allocate::{Known, Mixture, allocate_known};
-use crate::sampler::estimate::Lanes;
-use crate::sampler::film::{FLOATS, Layout, Planes, WORDS};
+use crate::sampler::film::{Layout, Planes, WORDS};
 use crate::sampler::kernel::UNKNOWN;
 use fair::Fair;
+use state::State;
 
 pub mod allocate;
 pub mod batch;
@@ -52,6 +52,9 @@ pub mod film;
 pub mod guide;
 mod job;
 pub mod kernel;
+mod memory;
+mod read;
+pub mod saved;
 mod schedule;
 mod settings;
 pub mod state;
@@ -59,60 +62,27 @@ pub mod wave;
 pub use crate::sampler::estimate::Estimator;
 pub use batch::MAX_RADIANCE;
 pub use job::{Job, Jobs, Tally, Workspace};
+pub use memory::{Memory, Required};
 pub use schedule::Schedule;
 pub use settings::{Error, Mode, Sequence, Settings};
-
-/// Memory lent to a sampler for its film. What it holds before does not matter.
-#[derive(Debug)]
-pub struct Memory<'a> {
-    /// At least as long as [`Required::floats`].
-    pub floats: &'a mut [f32],
-    /// At least as long as [`Required::words`].
-    pub words: &'a mut [u32],
-}
-
-/// How much memory a sampler needs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Required {
-    /// Length of [`Memory::floats`].
-    pub floats: usize,
-    /// Length of [`Memory::words`].
-    pub words: usize,
-}
 
 /// A frame being sampled.
 #[derive(Debug)]
 pub struct Sampler<'a> {
-    settings: Settings,
+    state: State,
     layout: Layout,
     planes: Planes<'a>,
-    /// How many pixels there are: all, or those of a label other than 0.
-    used: usize,
-    /// Of how many pixels the current or last iteration's mixture is.
-    open: usize,
-    /// Number of the iteration that runs or is next.
-    iteration: u32,
-    /// Samples of all iterations that have ended.
-    samples: u64,
-    /// What has been promised to every pixel.
-    fair: Fair,
-    /// How the current or last iteration divided its samples beyond that.
-    mixture: Mixture,
-    /// Samples of the running iteration, 0 if none is running.
-    running: u64,
 }
 
 impl<'a> Sampler<'a> {
     /// How much memory a film of this size takes: 44 bytes a pixel.
     pub fn required(width: u32, height: u32) -> Required {
-        let pixels = (width as usize).saturating_mul(height as usize);
-        Required { floats: FLOATS.saturating_mul(pixels), words: WORDS.saturating_mul(pixels) }
+        Required::of(width, height, false)
     }
 
     /// How much memory a film with labels takes: 48 bytes a pixel.
     pub fn required_with_labels(width: u32, height: u32) -> Required {
-        let Required { floats, words } = Sampler::required(width, height);
-        Required { floats, words: words / WORDS * (WORDS + 1) }
+        Required::of(width, height, true)
     }
 
     /// An empty film on lent memory.
@@ -179,38 +149,27 @@ impl<'a> Sampler<'a> {
         floats.fill(0.0);
         words[..WORDS * layout.pixels()].fill(0);
         let planes = Planes::new(floats, words, layout.pixels()).ok_or(Error::Memory)?;
-        Ok(Sampler {
-            settings,
-            layout,
-            planes,
-            used,
-            open: used,
-            iteration: 0,
-            samples: 0,
-            fair: Fair::default(),
-            mixture: Mixture { samples: 0, floor: 0.0, epsilon: 1.0 },
-            running: 0,
-        })
+        Ok(Sampler { state: State::new(settings, used, !planes.label.is_empty()), layout, planes })
     }
 
     /// The settings the sampler was made with.
     pub fn settings(&self) -> &Settings {
-        &self.settings
+        &self.state.settings
     }
 
     /// Number of pixels that get samples: all, or those of a label other than 0.
     pub fn pixels(&self) -> usize {
-        self.used
+        self.state.used
     }
 
     /// Number of iterations that have ended.
     pub fn iterations(&self) -> u32 {
-        self.iteration
+        self.state.iteration
     }
 
     /// Number of samples drawn in the iterations that have ended, rejected ones included.
     pub fn samples(&self) -> u64 {
-        self.samples
+        self.state.samples
     }
 
     /// Begins an iteration of `samples` samples: adapts the kernel and plans every pixel's count.
@@ -240,36 +199,39 @@ impl<'a> Sampler<'a> {
         if given != 0 && given != self.layout.pixels() {
             return Err(Error::Prior);
         }
-        if self.running > 0 {
+        if self.state.running > 0 {
             return Err(Error::Begun);
         }
         if samples == 0 || samples > crate::sampler::allocate::MAX_SAMPLES {
             return Err(Error::Samples);
         }
         let given = matches!(prior, Prior::Alpha(alpha) if !alpha.is_empty());
-        let adaptive = self.settings.mode == Mode::Adaptive && (self.iteration > 0 || given);
+        let adaptive = self.state.settings.mode == Mode::Adaptive && (self.state.iteration > 0 || given);
         let known = if adaptive { self.adapt(prior) } else { Known::default() };
-        self.open = self.close(adaptive && given);
+        self.state.open = self.close(adaptive && given);
         let missing = self.promise(samples, adaptive);
-        self.mixture = match adaptive {
-            true => {
-                Mixture { samples: samples - missing, floor: self.floor(), epsilon: self.settings.epsilon }
-            }
+        self.state.mixture = match adaptive {
+            true => Mixture {
+                samples: samples - missing,
+                floor: self.floor(),
+                epsilon: self.state.settings.epsilon,
+            },
             false => Mixture { samples, floor: 0.0, epsilon: 1.0 },
         };
-        let offset = hash(frame_key(!self.settings.seed, self.settings.frame) ^ self.iteration);
+        let offset =
+            hash(frame_key(!self.state.settings.seed, self.state.settings.frame) ^ self.state.iteration);
         let Planes { target, planned, drawn, .. } = &mut self.planes;
-        match self.open == target.len() {
-            true => allocate_known(target, planned, self.mixture, offset, &known)?,
-            false => allocate_open(target, planned, self.mixture, offset)?,
+        match self.state.open == target.len() {
+            true => allocate_known(target, planned, self.state.mixture, offset, &known)?,
+            false => allocate_open(target, planned, self.state.mixture, offset)?,
         }
         if missing > 0 {
             for (i, ((planned, drawn), target)) in planned.iter_mut().zip(&**drawn).zip(&**target).enumerate()
             {
-                *planned += if *target == CLOSED { 0 } else { self.fair.missing(i, *drawn) };
+                *planned += if *target == CLOSED { 0 } else { self.state.fair.missing(i, *drawn) };
             }
         }
-        self.running = samples;
+        self.state.running = samples;
         Ok(())
     }
 
@@ -279,14 +241,14 @@ impl<'a> Sampler<'a> {
         let outside = target.iter_mut().zip(*label).filter(|(_, label)| **label == 0);
         outside.for_each(|(target, _)| *target = CLOSED);
         if !given {
-            return self.used;
+            return self.state.used;
         }
         match target.iter().filter(|target| **target != CLOSED).count() {
             // A kernel that gives nobody anything says nothing.
             0 => {
                 let inside = target.iter_mut().enumerate().filter(|(i, _)| label.get(*i) != Some(&0));
                 inside.for_each(|(_, target)| *target = UNKNOWN);
-                self.used
+                self.state.used
             }
             open => open,
         }
@@ -294,29 +256,29 @@ impl<'a> Sampler<'a> {
 
     /// Promises fair samples with an iteration of `samples`; returns how many pixels lack.
     fn promise(&mut self, samples: u64, adaptive: bool) -> u64 {
-        if self.iteration == 0 {
-            let uniform = self.settings.mode == Mode::Uniform;
-            let count = if uniform { u32::MAX } else { self.settings.fair };
-            let given = if adaptive { 0 } else { (samples / self.used as u64) as u32 };
-            self.fair = Fair::new(count, given);
+        if self.state.iteration == 0 {
+            let uniform = self.state.settings.mode == Mode::Uniform;
+            let count = if uniform { u32::MAX } else { self.state.settings.fair };
+            let given = if adaptive { 0 } else { (samples / self.state.used as u64) as u32 };
+            self.state.fair = Fair::new(count, given);
         }
         if !adaptive {
             return 0;
         }
-        let each = f64::from(self.settings.defensive) * samples as f64 / self.used as f64;
-        let next = self.fair.promise(each);
+        let each = f64::from(self.state.settings.defensive) * samples as f64 / self.state.used as f64;
+        let next = self.state.fair.promise(each);
         let missing = self.lacking(next);
         // What is due to few pixels cannot always be rounded to fewer samples than there are.
         if missing > samples {
-            return self.lacking(self.fair);
+            return self.lacking(self.state.fair);
         }
-        self.fair = next;
+        self.state.fair = next;
         missing
     }
 
     /// How many samples the pixels lack together that can get some.
     fn lacking(&self, fair: Fair) -> u64 {
-        let closed = match self.open == self.used {
+        let closed = match self.state.open == self.state.used {
             true => 0,
             false => {
                 let closed = self.planes.target.iter().enumerate().filter(|(_, target)| **target == CLOSED);
@@ -328,15 +290,17 @@ impl<'a> Sampler<'a> {
 
     /// m, samples that every pixel expects at least in an adaptive iteration, beyond what was promised.
     fn floor(&self) -> f32 {
-        if self.settings.estimator == Estimator::Subframe { 1.0 } else { 0.0 }
+        if self.state.settings.estimator == Estimator::Subframe { 1.0 } else { 0.0 }
     }
 
     /// Writes the weights of the kernel into the plane `target` and returns their sum.
     fn adapt(&mut self, prior: Prior<'_>) -> Known {
         let planes = &mut self.planes;
         let alpha = match prior {
-            Prior::Beliefs(beliefs) => return self.settings.kernel().adapt(&self.layout, planes, beliefs),
-            Prior::Alpha([]) => return self.settings.kernel().adapt(&self.layout, planes, &[]),
+            Prior::Beliefs(beliefs) => {
+                return self.state.settings.kernel().adapt(&self.layout, planes, beliefs);
+            }
+            Prior::Alpha([]) => return self.state.settings.kernel().adapt(&self.layout, planes, &[]),
             Prior::Alpha(alpha) => alpha,
         };
         self.layout.for_each_run(|run, raster| {
@@ -353,32 +317,19 @@ impl<'a> Sampler<'a> {
         known
     }
 
-    /// Writes what the frame has seen of every pixel, by the kernel's window, row by row.
-    ///
-    /// # Errors
-    /// If an iteration is running, or `out` is not as long as the picture has pixels.
-    pub fn beliefs(&self, out: &mut [Belief]) -> Result<(), Error> {
-        self.at_rest()?;
-        if out.len() != self.layout.pixels() {
-            return Err(Error::Output);
-        }
-        self.settings.kernel().observe(&self.layout, &self.planes, out);
-        Ok(())
-    }
-
     /// The jobs of the running iteration, as far as their samples are not in the film yet; none if none is running.
     ///
     /// Each begins where the last one ends. Who wants flat arrays instead, or radiances that come back later, sees [`wave`].
     pub fn jobs(&mut self) -> Jobs<'_> {
         let context = self.context();
-        let tiles = if self.running > 0 { self.layout.tiles() } else { 0 };
+        let tiles = if self.state.running > 0 { self.layout.tiles() } else { 0 };
         Jobs { rest: self.planes.reborrow(), context, next_tile: 0, tiles }
     }
 
     /// [`jobs`](Self::jobs) that last as long as the memory, for who [resumes](Self::resume) the sampler when they are done.
     pub fn into_jobs(self) -> Jobs<'a> {
         let context = self.context();
-        let tiles = if self.running > 0 { self.layout.tiles() } else { 0 };
+        let tiles = if self.state.running > 0 { self.layout.tiles() } else { 0 };
         Jobs { rest: self.planes, context, next_tile: 0, tiles }
     }
 
@@ -386,12 +337,13 @@ impl<'a> Sampler<'a> {
     fn context(&self) -> job::Context {
         job::Context {
             layout: self.layout,
-            keys: PixelKeys::new(self.settings.seed, self.settings.frame),
-            iteration: hash(self.iteration),
-            sequence: self.settings.sequence,
-            fair: self.fair,
-            estimator: self.settings.estimator,
-            share: self.running as f32 / self.samples.saturating_add(self.running).max(1) as f32,
+            keys: PixelKeys::new(self.state.settings.seed, self.state.settings.frame),
+            iteration: hash(self.state.iteration),
+            sequence: self.state.settings.sequence,
+            fair: self.state.fair,
+            estimator: self.state.settings.estimator,
+            share: self.state.running as f32
+                / self.state.samples.saturating_add(self.state.running).max(1) as f32,
         }
     }
 
@@ -401,102 +353,21 @@ impl<'a> Sampler<'a> {
     /// If no iteration is running, or not all of its samples have been taken: it goes on running, and
     /// [`jobs`](Self::jobs) has what is left.
     pub fn end(&mut self) -> Result<Tally, Error> {
-        if self.running == 0 {
+        if self.state.running == 0 {
             return Err(Error::NotBegun);
         }
         if self.planes.planned.iter().any(|n| *n > 0) {
             return Err(Error::Unfinished);
         }
-        self.samples = self.samples.saturating_add(self.running);
+        self.state.samples = self.state.samples.saturating_add(self.state.running);
         let samples = self.planes.count.iter().map(|n| u64::from(*n)).sum::<u64>();
-        self.iteration = self.iteration.saturating_add(1);
-        self.running = 0;
-        Ok(Tally { samples, rejected: self.samples.saturating_sub(samples) })
-    }
-
-    /// Length of the scratch [`resolve`](Self::resolve) needs.
-    pub fn resolve_scratch(width: u32, height: u32) -> usize {
-        estimate::scratch_len(width, height)
-    }
-
-    /// Writes the picture: interleaved linear RGB, row by row.
-    ///
-    /// Any estimator for which [`Settings::estimator`] [serves](Estimator::serves) may be asked for, but for
-    /// [`Estimator::Guided`], which takes a picture: see [`resolve_guided`](Self::resolve_guided).
-    ///
-    /// # Errors
-    /// If an iteration is running, the film has not accumulated for `estimator`, or `out` or `scratch` have the wrong
-    /// length.
-    pub fn resolve(&self, estimator: Estimator, scratch: &mut [Lanes], out: &mut [f32]) -> Result<(), Error> {
-        let (width, height) = (self.settings.width, self.settings.height);
-        self.at_rest()?;
-        if !self.settings.estimator.serves(estimator) {
-            return Err(Error::Estimator);
-        }
-        let scratch = scratch.get_mut(..Self::resolve_scratch(width, height)).ok_or(Error::Scratch)?;
-        if out.len() != 3 * self.layout.pixels() {
-            return Err(Error::Output);
-        }
-        let (out, _) = out.as_chunks_mut();
-        let (layout, planes, radius) = (&self.layout, &self.planes, self.settings.balance_radius);
-        match estimator {
-            Estimator::Pooled => estimate::plain(layout, &planes.mean, out),
-            Estimator::Subframe | Estimator::Difference => estimate::plain(layout, &planes.fair, out),
-            Estimator::Balanced => estimate::balanced(layout, planes, radius, scratch, out),
-            Estimator::Guided => return Err(Error::Guide),
-        }
-        Ok(())
-    }
-
-    /// Writes the variance of every pixel's mean luminance, as far as its own samples know it, row by row.
-    ///
-    /// 0 where there are fewer than two samples.
-    ///
-    /// # Errors
-    /// If an iteration is running, or `out` is not as long as the picture has pixels.
-    pub fn variance(&self, out: &mut [f32]) -> Result<(), Error> {
-        self.at_rest()?;
-        self.read_out(out, |i| self.planes.variance_of_mean(i))
-    }
-
-    /// Writes how many samples every pixel has, row by row.
-    ///
-    /// # Errors
-    /// If an iteration is running, or `out` is not as long as the picture has pixels.
-    pub fn count(&self, out: &mut [u32]) -> Result<(), Error> {
-        self.at_rest()?;
-        self.read_out(out, |i| self.planes.count[i])
-    }
-
-    /// Writes the kernel α that divided the current or last iteration, beyond what was promised, row by row; it sums to one.
-    ///
-    /// # Errors
-    /// If `out` is not as long as the picture has pixels.
-    pub fn alpha(&self, out: &mut [f32]) -> Result<(), Error> {
-        let pixels = self.open as f64;
-        let samples = self.mixture.samples as f64;
-        let floor = f64::from(self.mixture.floor).min(samples / pixels);
-        let rest = samples - floor * pixels;
-        self.read_out(out, |i| match self.planes.target[i] {
-            CLOSED => 0.0,
-            target if rest > 0.0 => ((f64::from(target) - floor) / rest).max(0.0) as f32,
-            _ => (1.0 / pixels) as f32,
-        })
+        self.state.iteration = self.state.iteration.saturating_add(1);
+        self.state.running = 0;
+        Ok(Tally { samples, rejected: self.state.samples.saturating_sub(samples) })
     }
 
     /// That no iteration is running: what there is would be the half of one.
     fn at_rest(&self) -> Result<(), Error> {
-        if self.running > 0 { Err(Error::Running) } else { Ok(()) }
-    }
-
-    fn read_out<T>(&self, out: &mut [T], value: impl Fn(usize) -> T) -> Result<(), Error> {
-        if out.len() != self.layout.pixels() {
-            return Err(Error::Output);
-        }
-        self.layout.for_each_run(|run, raster| {
-            let length = run.len();
-            run.zip(&mut out[raster..raster + length]).for_each(|(i, out)| *out = value(i));
-        });
-        Ok(())
+        if self.state.running > 0 { Err(Error::Running) } else { Ok(()) }
     }
 }

@@ -68,7 +68,7 @@ impl Sampler<'_> {
     /// [`Error::Piece`] if the piece was delivered already or stems from another iteration, or `radiance` has not as many
     /// entries as it has samples; then nothing has changed. [`Error::NotBegun`] if no iteration is running.
     pub fn deliver(&mut self, piece: Piece, radiance: &[[f32; 3]]) -> Result<Tally, Error> {
-        if self.running == 0 {
+        if self.state.running == 0 {
             return Err(Error::NotBegun);
         }
         let planned = self.planes.planned.get(piece.first..piece.end).ok_or(Error::Piece)?;
@@ -81,7 +81,7 @@ impl Sampler<'_> {
 
     /// Pixels from `first` on whose samples fit into `room`.
     fn piece(&self, first: usize, room: usize) -> Result<Piece, Error> {
-        if self.running == 0 {
+        if self.state.running == 0 {
             return Err(Error::NotBegun);
         }
         let (mut samples, mut end) = (0, first);

@@ -204,7 +204,7 @@ impl<'a> Filter<'a> {
                 for (plane, value) in values.into_iter().enumerate() {
                     row[plane * stride + MARGIN + x] = value;
                 }
-                let ratio = noise::ratio(mean, fair, variance, sampler.fair.count(), count);
+                let ratio = noise::ratio(mean, fair, variance, sampler.state.fair.count(), count);
                 for (plane, value) in ratio.into_iter().enumerate() {
                     ratios[plane * stride + MARGIN + x] = value;
                 }

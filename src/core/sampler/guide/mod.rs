@@ -37,10 +37,10 @@ impl Sampler<'_> {
         scratch: &mut [Lanes],
         out: &mut [[f32; 3]],
     ) -> Result<(), Error> {
-        if !self.settings.estimator.serves(Estimator::Balanced) {
+        if !self.state.settings.estimator.serves(Estimator::Balanced) {
             return Err(Error::Estimator);
         }
-        self.give(guide, Energy::Fair(self.settings.balance_radius), scratch, out)
+        self.give(guide, Energy::Fair(self.state.settings.balance_radius), scratch, out)
     }
 
     /// Writes `guide`, given the energy that all samples together have around every pixel: as
@@ -68,7 +68,7 @@ impl Sampler<'_> {
         out: &mut [[f32; 3]],
     ) -> Result<(), Error> {
         self.at_rest()?;
-        let needed = Self::resolve_scratch(self.settings.width, self.settings.height);
+        let needed = Self::resolve_scratch(self.state.settings.width, self.state.settings.height);
         let scratch = scratch.get_mut(..needed).ok_or(Error::Scratch)?;
         if guide.len() != self.layout.pixels() {
             return Err(Error::Guide);
