@@ -7,6 +7,7 @@
 
 use super::cutout;
 use super::hit::SurfacePoints;
+use super::path::begin;
 use super::queue::Paths;
 use super::sky;
 use super::vertex::scatter_specular;
@@ -89,19 +90,9 @@ impl<'a> Features<'a> {
         let key = PixelKeys::new(SEED, 0).at(u32x8::splat(y << 16 | x));
         let (u, v) = sobol::point(index, key, 0);
         let (x, y) = (f32x8::splat(x as f32) + u, f32x8::splat(y as f32) + v);
-        let Primary { origin, direction } = self.camera.rays(&Batch8 { lanes: 8, x, y, index, key });
-        Paths {
-            origin,
-            direction,
-            throughput: Vec3x8::splat([1.0; 3]),
-            density: f32x8::splat(f32::INFINITY),
-            compression: f32x8::ONE,
-            normal: u32x8::ZERO,
-            index,
-            key,
-            slot: index,
-            lanes: 8,
-        }
+        let batch = Batch8 { lanes: 8, x, y, index, key };
+        let Primary { origin, direction } = self.camera.rays(&batch);
+        begin(&batch, 0, origin, direction)
     }
 }
 
