@@ -11,9 +11,9 @@ use crate::picture::frame_io::Picture;
 use crate::picture::metrics::luminance;
 use crate::scene::LoadedScene;
 use pmcip_core::maths::sobol::{hash, point};
-use pmcip_core::maths::vec3::Vec3x8;
+use pmcip_core::sampler::batch::Batch8;
 use pmcip_core::sampler::estimate::Estimator;
-use pmcip_core::tracer::camera::Camera;
+use pmcip_core::tracer::camera::{Camera, Primary};
 use pmcip_core::tracer::scene::{Scattering, Scene};
 use pmcip_core::tracer::shade::cutout::seen;
 use pmcip_core::tracer::trace::{MISS, Rays8, Tracer};
@@ -28,11 +28,17 @@ const GAP: u32 = 4;
 pub struct Check {
     /// Lightmap to the left, path tracer to the right.
     pub picture: Picture,
-    /// Mean luminance by the lightmap over that by the path tracer, less 1, of pixels that show nothing but baked, purely
-    /// diffuse surfaces.
+    /// How pixels differ that show nothing but baked, purely diffuse surfaces; none if there are none.
+    pub difference: Option<Difference>,
+}
+
+/// How the lightmap's picture differs from the path tracer's.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Difference {
+    /// Its mean luminance over the path tracer's, less 1.
     pub energy_bias: f64,
-    /// Root mean square difference of luminance over the mean, of the same pixels.
-    pub difference: f64,
+    /// Root mean square difference of luminance, over the mean.
+    pub rms: f64,
 }
 
 /// What eight rays through a pixel see of the lightmap.
@@ -58,8 +64,8 @@ pub fn check(
     let mut settings = *settings;
     settings.set_estimator(Estimator::Guided);
     let frame = render::render(scene, &settings, threads, &|_| ())?;
-    let (view, (width, height)) = (settings.view, (settings.sampler.width, settings.sampler.height));
-    let camera = Camera::new(view.from, view.at, view.up, view.fov, width, height).map_err(Error::setting)?;
+    let (width, height) = (settings.sampler.width, settings.sampler.height);
+    let camera = settings.view.camera(width, height).map_err(Error::setting)?;
     let core = Scene::new(scene.data()).map_err(Error::setting)?;
     let pool = start_threads(threads)?;
     let sight = Sight { scene: core, camera, max_depth: 1, size: (width, height) };
@@ -75,19 +81,20 @@ pub fn check(
     let baked: Vec<[f32; 3]> = baked
         .map(|(lit, feature)| [0, 1, 2].map(|c| lit.emission[c] + feature.albedo[c] * lit.irradiance[c] / PI))
         .collect();
-    let pairs = baked.iter().zip(&frame.rgb).zip(&lit).filter(|(_, lit)| lit.whole);
+    let whole = baked.iter().zip(&frame.rgb).zip(&lit).filter(|(_, lit)| lit.whole);
+    let difference = difference(whole.map(|((baked, traced), _)| (luminance(*baked), luminance(*traced))));
+    Ok(Check { picture: beside(&baked, &frame.rgb, width), difference })
+}
+
+/// How luminances differ from true ones; none if there are none or all is black.
+fn difference(pairs: impl Iterator<Item = (f64, f64)>) -> Option<Difference> {
     let (mut ours, mut truth, mut square, mut count) = (0.0, 0.0, 0.0, 0.0);
-    for ((baked, traced), _) in pairs {
-        let (baked, traced) = (luminance(*baked), luminance(*traced));
+    for (baked, traced) in pairs {
         (ours, truth, count) = (ours + baked, truth + traced, count + 1.0);
-        square += (baked - traced).powi(2);
+        square += (baked - traced) * (baked - traced);
     }
-    let (ours, truth, count) = (ours.max(0.0), f64::max(truth, f64::MIN_POSITIVE), f64::max(count, 1.0));
-    Ok(Check {
-        picture: beside(&baked, &frame.rgb, width),
-        energy_bias: ours / truth - 1.0,
-        difference: (square / count).sqrt() / (truth / count),
-    })
+    let some = Difference { energy_bias: ours / truth - 1.0, rms: f64::sqrt(square * count) / truth };
+    (truth > 0.0).then_some(some)
 }
 
 /// Looks through a pixel with eight rays.
@@ -100,9 +107,10 @@ fn look(
     (x, y): (u32, u32),
 ) -> Lit {
     let index = u32x8::new([0, 1, 2, 3, 4, 5, 6, 7]);
-    let (u, v) = point(index, u32x8::splat(hash(y << 16 | x)), 0);
-    let direction = camera.directions(f32x8::splat(x as f32) + u, f32x8::splat(y as f32) + v);
-    let origin = Vec3x8::splat(camera.origin());
+    let key = u32x8::splat(hash(y << 16 | x));
+    let (u, v) = point(index, key, 0);
+    let (x, y) = (f32x8::splat(x as f32) + u, f32x8::splat(y as f32) + v);
+    let Primary { origin, direction } = camera.rays(&Batch8 { lanes: 8, x, y, index, key });
     let hits = seen(tracer, &Rays8 { origin, direction, t_max: f32x8::splat(f32::INFINITY) });
     let direction = [direction.x, direction.y, direction.z].map(f32x8::to_array);
     let (triangles, u, v) = (hits.triangle.to_array(), hits.u.to_array(), hits.v.to_array());

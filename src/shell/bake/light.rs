@@ -6,10 +6,12 @@ use super::atlas::Atlas;
 use super::dilate::dilate;
 use crate::error::Error;
 use crate::frame::memory::zeros;
+use crate::frame::render::attributes;
 use crate::frame::settings::Settings;
 use crate::frame::threads::{Crew, start_threads};
 use crate::frame::{guide, layers};
 use crate::picture::frame_io::Picture;
+use crate::scene::LoadedScene;
 use pmcip_core::sampler::estimate::Estimator;
 use pmcip_core::sampler::{Memory, Sampler, Schedule, Tally};
 use pmcip_core::tracer::scene::Scene;
@@ -34,16 +36,15 @@ pub struct Lightmap {
 
 impl Lightmap {
     /// As it goes to disk, with `mask` (1 where there is a surface) and `count`.
-    pub fn picture(&self, settings: &Settings) -> Picture {
+    pub fn picture(&self, scene: &LoadedScene, settings: &Settings) -> Picture {
         let mask = self.labels.iter().map(|label| f32::from(u8::from(*label != 0))).collect();
         let count = self.count.iter().map(|count| *count as f32).collect();
-        let settings = settings.list().into_iter().map(|(name, value)| (name, value.to_string()));
         Picture {
             width: self.size,
             height: self.size,
             rgb: self.irradiance.clone(),
             planes: [("mask".to_owned(), mask), ("count".to_owned(), count)].into(),
-            attributes: settings.collect(),
+            attributes: attributes(scene, settings),
         }
     }
 

@@ -14,7 +14,7 @@ use pmcip_core::sampler::estimate::Estimator;
 use pmcip_core::tracer::scene::Scene;
 use serde::Serialize;
 use std::fmt::{self, Display, Formatter};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Texels a side where nobody says.
 const DEFAULT_SIZE: u32 = 1024;
@@ -51,7 +51,7 @@ pub fn bake_lightmap(arguments: &Bake) -> Result<(), Failure> {
     let atlas = Atlas::new(&scene, fineness(arguments)).map_err(blame)?;
     let settings = settings(arguments, &scene, Some((atlas.size, atlas.size)));
     let lightmap = work(arguments, &scene, &atlas, &settings)?;
-    let picture = lightmap.picture(&settings);
+    let picture = lightmap.picture(&scene, &settings);
     frame_io::write_exr(exr, &picture).map_err(failed)?;
     frame_io::write_png(&png, &picture, arguments.exposure.unwrap_or(scene.exposure)).map_err(failed)?;
     mesh::write(&obj, &scene, &atlas).map_err(failed)?;
@@ -59,6 +59,7 @@ pub fn bake_lightmap(arguments: &Bake) -> Result<(), Failure> {
         true => Some(look(arguments, &scene, &atlas, &lightmap, &check_png)?),
         false => None,
     };
+    let difference = check.and_then(|check| check.difference);
     let report = Report {
         scene: scene.name.clone(),
         size: atlas.size,
@@ -69,8 +70,8 @@ pub fn bake_lightmap(arguments: &Bake) -> Result<(), Failure> {
         samples: lightmap.tally.samples,
         rejected: lightmap.tally.rejected,
         seconds: lightmap.seconds,
-        check_energy_bias: check.as_ref().map(|check| check.energy_bias),
-        check_difference: check.as_ref().map(|check| check.difference),
+        check_energy_bias: difference.map(|difference| difference.energy_bias),
+        check_difference: difference.map(|difference| difference.rms),
         files,
     };
     match (arguments.json, arguments.quiet) {
@@ -118,7 +119,7 @@ fn look(
     scene: &LoadedScene,
     atlas: &Atlas<'_>,
     lightmap: &Lightmap,
-    png: &std::path::Path,
+    png: &Path,
 ) -> Result<Check, Failure> {
     let settings = settings(arguments, scene, None);
     let check = check(scene, atlas, lightmap, &settings, arguments.threads).map_err(blame)?;
