@@ -9,6 +9,8 @@ use crate::error::Error;
 use crate::picture::frame_io;
 use std::collections::BTreeMap;
 use std::fmt::{self, Display, Formatter};
+use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
@@ -185,7 +187,9 @@ pub fn state(file: &Path, wanted: &BTreeMap<String, String>) -> State {
 /// Whether a file was an EXR file, as far as it goes: any other is somebody's own.
 fn begins_as_exr(file: &Path) -> bool {
     const MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
-    std::fs::read(file).is_ok_and(|bytes| MAGIC.starts_with(&bytes[..bytes.len().min(4)]))
+    let mut start = Vec::new();
+    let read = File::open(file).and_then(|file| file.take(MAGIC.len() as u64).read_to_end(&mut start));
+    read.is_ok() && MAGIC.starts_with(&start)
 }
 
 fn reason(error: &Error) -> String {
