@@ -41,12 +41,22 @@ fn iterate(sampler: &mut Sampler<'_>, samples: u64, integrand: &mut impl Integra
     assert_eq!(sampler.end().map(|_| samples).unwrap(), samples);
 }
 
-/// Renders a film with labels and shows it.
+/// Renders a film with the integrand's labels and shows it.
 fn film<T>(settings: Settings, integrand: Islands<'_>, look: impl FnOnce(&Sampler<'_>) -> T) -> T {
+    film_of(settings, integrand.labels, integrand, look)
+}
+
+/// The same with other labels.
+fn film_of<T>(
+    settings: Settings,
+    labels: &[u16],
+    integrand: Islands<'_>,
+    look: impl FnOnce(&Sampler<'_>) -> T,
+) -> T {
     let required = Sampler::required_with_labels(settings.width, settings.height);
     let (mut floats, mut words) = (vec![f32::NAN; required.floats], vec![9; required.words]);
     let memory = Memory { floats: &mut floats, words: &mut words };
-    let mut sampler = Sampler::with_labels(settings, memory, integrand.labels).unwrap();
+    let mut sampler = Sampler::with_labels(settings, memory, labels).unwrap();
     for samples in Schedule::new(sampler.pixels() as u64, 16, 2, 8) {
         sampler.begin(samples).unwrap();
         iterate(&mut sampler, samples, &mut { integrand });
@@ -212,15 +222,9 @@ fn islands_keep_their_energy() {
             .map(|seed| {
                 let settings =
                     Settings { seed, ..Settings::new(width as u32, height as u32).for_frame(2, 16) };
-                let required = Sampler::required_with_labels(width as u32, height as u32);
-                let (mut floats, mut words) = (vec![0.0; required.floats], vec![0; required.words]);
-                let memory = Memory { floats: &mut floats, words: &mut words };
-                let mut sampler = Sampler::with_labels(settings, memory, given).unwrap();
-                for samples in Schedule::new(sampler.pixels() as u64, 16, 2, 8) {
-                    sampler.begin(samples).unwrap();
-                    iterate(&mut sampler, samples, &mut Islands { width, labels: &labels, level });
-                }
-                energy(&resolved(&sampler, Estimator::Balanced), &labels, label) / truth - 1.0
+                film_of(settings, given, Islands { width, labels: &labels, level }, |sampler| {
+                    energy(&resolved(sampler, Estimator::Balanced), &labels, label) / truth - 1.0
+                })
             })
             .collect();
         let mean = errors.iter().sum::<f64>() / 40.0;
@@ -236,15 +240,10 @@ fn islands_keep_their_energy() {
     let settings = Settings::new(width as u32, height as u32).for_frame(2, 16);
     let strayed = |one: bool| {
         let given = if one { &inside } else { &labels };
-        let required = Sampler::required_with_labels(width as u32, height as u32);
-        let (mut floats, mut words) = (vec![0.0; required.floats], vec![0; required.words]);
-        let memory = Memory { floats: &mut floats, words: &mut words };
-        let mut sampler = Sampler::with_labels(settings, memory, given).unwrap();
-        for samples in Schedule::new(sampler.pixels() as u64, 16, 2, 8) {
-            sampler.begin(samples).unwrap();
-            iterate(&mut sampler, samples, &mut { integrand });
-        }
-        let [balanced, fair] = [Estimator::Balanced, Estimator::Difference].map(|e| resolved(&sampler, e));
+        let pictures = |sampler: &Sampler<'_>| {
+            [Estimator::Balanced, Estimator::Difference].map(|estimator| resolved(sampler, estimator))
+        };
+        let [balanced, fair] = film_of(settings, given, integrand, pictures);
         let parts = [1, 2, 3, 500].map(|l| energy(&balanced, &labels, l) / energy(&fair, &labels, l) - 1.0);
         parts.into_iter().map(f64::abs).fold(0.0, f64::max)
     };

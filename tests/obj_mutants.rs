@@ -2,7 +2,7 @@
 
 mod mutant;
 
-use mutant::{MTL, OBJ};
+use mutant::{MTL, OBJ, Place};
 
 /// Bits by a linear congruence, the same in every run.
 struct Random(u64);
@@ -30,12 +30,11 @@ impl Random {
 
 #[test]
 fn no_file_does_harm() {
-    let folder = tempfile::tempdir().unwrap();
-    let (picture, mut random) = (mutant::picture(), Random(1));
-    mutant::load(folder.path(), OBJ, MTL, &picture);
+    let (place, mut random) = (Place::new(), Random(1));
+    place.load(OBJ, MTL, &place.picture);
     for _ in 0..400 {
-        mutant::load(folder.path(), &random.mutant(OBJ), MTL, &picture);
-        mutant::load(folder.path(), OBJ, &random.mutant(MTL), &picture);
-        mutant::load(folder.path(), OBJ, MTL, &random.mutant(&picture));
+        place.load(&random.mutant(OBJ), MTL, &place.picture);
+        place.load(OBJ, &random.mutant(MTL), &place.picture);
+        place.load(OBJ, MTL, &random.mutant(&place.picture));
     }
 }

@@ -3,16 +3,13 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use mutant::OBJ;
+use mutant::{OBJ, Place};
 use std::sync::LazyLock;
-use tempfile::TempDir;
 
 #[allow(dead_code, reason = "shared with other targets")]
 #[path = "../../tests/mutant/mod.rs"]
 mod mutant;
 
-static FOLDER: LazyLock<TempDir> =
-    LazyLock::new(|| tempfile::tempdir().expect("there is a temporary folder"));
-static PICTURE: LazyLock<Vec<u8>> = LazyLock::new(mutant::picture);
+static PLACE: LazyLock<Place> = LazyLock::new(Place::new);
 
-fuzz_target!(|bytes: &[u8]| mutant::load(FOLDER.path(), OBJ, bytes, &PICTURE));
+fuzz_target!(|bytes: &[u8]| PLACE.load(OBJ, bytes, &PLACE.picture));

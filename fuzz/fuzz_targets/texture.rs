@@ -3,15 +3,13 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use mutant::{MTL, OBJ};
+use mutant::{MTL, OBJ, Place};
 use std::sync::LazyLock;
-use tempfile::TempDir;
 
 #[allow(dead_code, reason = "shared with other targets")]
 #[path = "../../tests/mutant/mod.rs"]
 mod mutant;
 
-static FOLDER: LazyLock<TempDir> =
-    LazyLock::new(|| tempfile::tempdir().expect("there is a temporary folder"));
+static PLACE: LazyLock<Place> = LazyLock::new(Place::new);
 
-fuzz_target!(|bytes: &[u8]| mutant::load(FOLDER.path(), OBJ, MTL, bytes));
+fuzz_target!(|bytes: &[u8]| PLACE.load(OBJ, MTL, bytes));

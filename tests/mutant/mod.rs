@@ -5,6 +5,7 @@ use pmcip::scene::{Animation, LightChoice, Options};
 use pmcip_core::tracer::scene::Scene;
 use std::fs;
 use std::path::Path;
+use tempfile::TempDir;
 
 /// Statements of all kinds.
 pub const OBJ: &[u8] =
@@ -14,8 +15,26 @@ pub const OBJ: &[u8] =
 pub const MTL: &[u8] = b"newmtl m\nKd .5 .5 .5\nKs .1\nNs 20\nd .5\nTr .5\nTf 1 1 1\nNi 1.5\nillum 4\nmap_Kd -s 2 2 2 -clamp on t.png\n\
     map_d t.png -bm 1\nmap_Bump b.png\nnewmtl n\nKe 1 2 3\nmap_Ke -o 1 t.png\nPr .5\nPm 1\n";
 
-/// The bytes of a picture with alpha.
-pub fn picture() -> Vec<u8> {
+/// Where files stand while they are loaded.
+pub struct Place {
+    folder: TempDir,
+    /// The bytes of a picture with alpha.
+    pub picture: Vec<u8>,
+}
+
+impl Place {
+    /// A folder of its own.
+    pub fn new() -> Place {
+        Place { folder: tempfile::tempdir().expect("there is a temporary folder"), picture: picture() }
+    }
+
+    /// Loads these files in both ways.
+    pub fn load(&self, obj: &[u8], mtl: &[u8], picture: &[u8]) {
+        load(self.folder.path(), obj, mtl, picture);
+    }
+}
+
+fn picture() -> Vec<u8> {
     let pixels =
         image::RgbaImage::from_fn(3, 2, |x, y| image::Rgba([80 * x as u8, 200 * y as u8, 90, 127 * x as u8]));
     let mut bytes = std::io::Cursor::new(Vec::new());
@@ -25,8 +44,7 @@ pub fn picture() -> Vec<u8> {
     bytes.into_inner()
 }
 
-/// Loads these files, written into `folder`, in both ways.
-pub fn load(folder: &Path, obj: &[u8], mtl: &[u8], picture: &[u8]) {
+fn load(folder: &Path, obj: &[u8], mtl: &[u8], picture: &[u8]) {
     for (name, bytes) in [("s.obj", obj), ("s.mtl", mtl), ("t.png", picture)] {
         fs::write(folder.join(name), bytes).expect("the folder can be written");
     }
