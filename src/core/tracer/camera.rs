@@ -173,6 +173,7 @@ impl Camera {
     }
 
     /// [`rays`](Self::rays) of a camera with a lens, or one that moves.
+    #[inline(never)]
     fn distributed(&self, samples: &Batch8) -> Primary {
         let mut film = self.film.splat();
         if let Some(end) = self.end {

@@ -27,6 +27,7 @@ pub struct Scene<'a> {
     inverse_power: f32,
     cut_out: bool,
     textured_light: bool,
+    lamp_share: f32,
 }
 
 impl<'a> Scene<'a> {
@@ -42,6 +43,11 @@ impl<'a> Scene<'a> {
             inverse_power: if power > 0.0 { (1.0 / power) as f32 } else { 0.0 },
             cut_out: data.materials.iter().any(Material::is_cut_out),
             textured_light: data.materials.iter().any(|m| m.emission_texture != NO_TEXTURE),
+            lamp_share: match (&data.sky, data.lights) {
+                (None, _) => 1.0,
+                (Some(_), []) => 0.0,
+                (Some(_), _) => 0.5,
+            },
         })
     }
 
@@ -73,11 +79,7 @@ impl<'a> Scene<'a> {
     /// at most twice the variance of the best division, whatever the scene.
     #[inline(always)]
     pub(crate) fn lamp_share(&self) -> f32 {
-        match (self.data.sky, self.data.lights) {
-            (None, _) => 1.0,
-            (Some(_), []) => 0.0,
-            (Some(_), _) => 0.5,
-        }
+        self.lamp_share
     }
 
     /// One over the lights' total power (luminance times area, up to π).

@@ -6,7 +6,7 @@
 //! The points that decide are Sobol sets of their own, one for each depth and layer. Surfaces that coincide count as
 //! one layer. Scenes where everything is opaque skip all of it.
 
-use super::hit::SurfacePoints;
+use super::hit::{self, SurfacePoints};
 use crate::maths::sobol;
 use crate::maths::vec3::Vec3x8;
 use crate::tracer::trace::{Hits8, Rays8, Tracer};
@@ -35,42 +35,37 @@ impl Chance {
     }
 }
 
-/// What `rays` meet, cut-outs by chance; no surfaces if no ray meets anything. Distances are from the rays' origins.
+/// What `rays` meet, cut-outs by chance. Distances are from the rays' origins.
 #[inline(always)]
-pub(super) fn meet(tracer: &mut Tracer<'_>, rays: &Rays8, chance: Chance) -> (Option<SurfacePoints>, Hits8) {
+pub(super) fn closest(tracer: &mut Tracer<'_>, rays: &Rays8, chance: Chance) -> Hits8 {
     let hits = tracer.closest(rays);
-    if !hits.any() {
-        return (None, hits);
-    }
-    let surface = SurfacePoints::at(tracer.scene(), rays, &hits);
     match tracer.scene().is_cut_out() {
-        true => go_on(tracer, *rays, surface, hits, |layer| chance.at(layer)),
-        false => (Some(surface), hits),
+        true => go_on(tracer, rays, hits, |layer| chance.at(layer)),
+        false => hits,
     }
 }
 
 /// What is seen first along `rays`: surfaces of which less than half is there are not.
 pub fn seen(tracer: &mut Tracer<'_>, rays: &Rays8) -> Hits8 {
     let hits = tracer.closest(rays);
-    if !(tracer.scene().is_cut_out() && hits.any()) {
-        return hits;
+    match tracer.scene().is_cut_out() {
+        true => go_on(tracer, rays, hits, |_| f32x8::HALF),
+        false => hits,
     }
-    let surface = SurfacePoints::at(tracer.scene(), rays, &hits);
-    go_on(tracer, *rays, surface, hits, |_| f32x8::HALF).1
 }
 
-/// Takes rays on through surfaces of which the part that is there is not above `chance(layer)`.
-fn go_on(
-    tracer: &mut Tracer<'_>,
-    mut rays: Rays8,
-    mut surface: SurfacePoints,
-    mut hits: Hits8,
-    chance: impl Fn(u32) -> f32x8,
-) -> (Option<SurfacePoints>, Hits8) {
-    let start = rays.origin;
-    let mut on = surface.hit;
+/// Takes rays on through surfaces of which the part that is there is not above `chance(layer)`. Kept out of the loops that
+/// call it, which are slower with it in scenes that have no cut-outs.
+#[inline(never)]
+fn go_on(tracer: &mut Tracer<'_>, rays: &Rays8, mut hits: Hits8, chance: impl Fn(u32) -> f32x8) -> Hits8 {
+    let (start, mut rays) = (rays.origin, *rays);
+    let mut on = hits.lanes();
     for layer in 0..MOST_LAYERS {
-        on &= surface.hit & chance(layer).simd_ge(surface.opacity);
+        if !on.any() {
+            break;
+        }
+        let surface = SurfacePoints::at(tracer.scene(), &rays, &hits);
+        on &= surface.hit & chance(layer).simd_ge(hit::opacity(tracer.scene(), &hits));
         if !on.any() {
             break;
         }
@@ -83,12 +78,12 @@ fn go_on(
             v: on.select(beyond.v, hits.v),
             triangle: on.select(beyond.triangle, hits.triangle),
         };
-        surface = SurfacePoints::at(tracer.scene(), &rays, &hits);
     }
-    (hits.any().then_some(surface), hits)
+    hits
 }
 
 /// The part of the light that passes along `rays`, 0 to 1.
+#[inline(never)]
 pub(super) fn transmitted(tracer: &mut Tracer<'_>, rays: &Rays8) -> f32x8 {
     let (mut rays, mut part) = (*rays, f32x8::ONE);
     for _ in 0..MOST_LAYERS {
@@ -97,7 +92,7 @@ pub(super) fn transmitted(tracer: &mut Tracer<'_>, rays: &Rays8) -> f32x8 {
             break;
         }
         let surface = SurfacePoints::at(tracer.scene(), &rays, &hits);
-        part = surface.hit.select(part * (f32x8::ONE - surface.opacity), part);
+        part = surface.hit.select(part * (f32x8::ONE - hit::opacity(tracer.scene(), &hits)), part);
         pass(&mut rays, &surface, surface.hit & part.simd_gt(f32x8::ZERO));
     }
     part

@@ -140,9 +140,12 @@ pub(super) fn arrive(
     let rays = paths.rays();
     tracer.traffic.packets += 1;
     tracer.traffic.rays += u64::from(paths.lanes);
-    let (surface, hits) = cutout::meet(&mut tracer.tracer, &rays, chance);
+    let hits = cutout::closest(&mut tracer.tracer, &rays, chance);
     tracer.add_sky(paths, &hits, depth, radiance);
-    let surface = surface?;
+    if !hits.any() {
+        return None;
+    }
+    let surface = SurfacePoints::at(tracer.tracer.scene(), &rays, &hits);
     tracer.add_emission(paths, &surface, &hits, radiance);
     Some(surface)
 }

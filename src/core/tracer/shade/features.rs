@@ -17,7 +17,7 @@ use crate::sampler::batch::Batch8;
 use crate::sampler::guide::Feature;
 use crate::tracer::camera::{Camera, Primary};
 use crate::tracer::scene::{Scattering, Scene};
-use crate::tracer::trace::{MISS, Rays8, Tracer};
+use crate::tracer::trace::{Rays8, Tracer};
 use wide::{f32x8, u32x8};
 
 /// Key of the points: its own, so that features are independent of the samples.
@@ -65,10 +65,12 @@ impl<'a> Features<'a> {
         for segment in 0..self.max_depth {
             let t_max = alive.select(f32x8::splat(f32::INFINITY), f32x8::splat(-1.0));
             let rays = Rays8 { origin: paths.origin, direction: paths.direction, t_max };
-            let (surface, hits) = cutout::meet(&mut self.tracer, &rays, paths.chance(segment + 1));
-            let missed: f32x8 = bytemuck::cast(hits.triangle.simd_eq(u32x8::splat(MISS)));
-            seen.note_sky(self.tracer.scene(), &paths, alive & missed, segment == 0);
-            let Some(surface) = surface else { break };
+            let hits = cutout::closest(&mut self.tracer, &rays, paths.chance(segment + 1));
+            seen.note_sky(self.tracer.scene(), &paths, alive & !hits.lanes(), segment == 0);
+            if !hits.any() {
+                break;
+            }
+            let surface = SurfacePoints::at(self.tracer.scene(), &rays, &hits);
             seen.depth += surface.hit & hits.t;
             if segment == 0 {
                 seen.covered = surface.hit & f32x8::ONE;

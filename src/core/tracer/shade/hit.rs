@@ -33,8 +33,6 @@ pub(super) struct SurfacePoints {
     pub emission: Vec3x8,
     /// What lamps are chosen by: the same, but for textures.
     pub typical_emission: Vec3x8,
-    /// Part of the surface that is there, 0 to 1.
-    pub opacity: f32x8,
     /// Distance from the surface at which rays start.
     clearance: f32x8,
 }
@@ -44,10 +42,7 @@ impl SurfacePoints {
     #[inline]
     pub fn at(scene: &Scene<'_>, rays: &Rays8, hits: &Hits8) -> Self {
         let data = scene.data();
-        let hit = hits.triangle.simd_ne(u32x8::splat(MISS));
-        let triangle = (hits.triangle & hit).to_array();
-        let weights = [f32x8::ONE - hits.u - hits.v, hits.u, hits.v];
-
+        let (hit, triangle, weights) = (hits.lanes(), triangles(hits), weights(hits));
         let [a, b, c] = fetch::corners(data, triangle);
         let front = (b - a).cross(c - a).normalized();
         let cosine = -rays.direction.dot(front);
@@ -61,15 +56,12 @@ impl SurfacePoints {
         if !data.colours.is_empty() {
             diffuse = diffuse.scaled(interpolate(fetch::colours(data, triangle), weights));
         }
-        let (mut emission, mut opacity) = (material.emission, f32x8::ONE);
-        if scene.has_textured_light() {
-            emission = shine(data, &surface, &material, weights);
-        }
-        if scene.is_cut_out() {
-            opacity = cover(data, &surface, &material, weights);
-        }
+        let emission = match scene.has_textured_light() {
+            true => shine(data, &surface, &material, weights),
+            false => material.emission,
+        };
         SurfacePoints {
-            hit: bytemuck::cast(hit),
+            hit,
             position: interpolate([a, b, c], weights),
             facing: Vec3x8::select(cosine.simd_lt(f32x8::ZERO), -front, front),
             normal,
@@ -81,7 +73,6 @@ impl SurfacePoints {
             ior: material.ior,
             emission,
             typical_emission: material.emission,
-            opacity,
             clearance: largest([a, b, c]) * f32x8::splat(CLEARANCE),
         }
     }
@@ -102,7 +93,6 @@ impl SurfacePoints {
             ior: one,
             emission: none,
             typical_emission: none,
-            opacity: one,
             clearance: sites.reach * f32x8::splat(CLEARANCE),
         }
     }
@@ -165,9 +155,30 @@ fn is_some(texture: u32x8) -> f32x8 {
 }
 
 /// Radiance emitted at points of eight triangles.
+#[inline(never)]
 fn shine(data: &SceneData<'_>, surface: &Surfaces, material: &Materials, weights: [f32x8; 3]) -> Vec3x8 {
     let value = textured(data, material.emission_texture, surface.coordinates(weights));
     Vec3x8::select(is_some(material.emission_texture), value, material.emission)
+}
+
+/// The part that is there of the surfaces that are hit, 0 to 1. Lanes that missed hold arbitrary values.
+pub(super) fn opacity(scene: &Scene<'_>, hits: &Hits8) -> f32x8 {
+    let data = scene.data();
+    let surface = fetch::surfaces(data, triangles(hits));
+    let material = fetch::materials(data, surface.material);
+    cover(data, &surface, &material, weights(hits))
+}
+
+/// The triangles that are hit; in lanes that missed the first of the scene.
+#[inline(always)]
+fn triangles(hits: &Hits8) -> [u32; 8] {
+    (hits.triangle & hits.triangle.simd_ne(u32x8::splat(MISS))).to_array()
+}
+
+/// Barycentric weights of the three corners.
+#[inline(always)]
+fn weights(hits: &Hits8) -> [f32x8; 3] {
+    [f32x8::ONE - hits.u - hits.v, hits.u, hits.v]
 }
 
 /// The part that is there of the surface at points of eight triangles.
@@ -176,6 +187,7 @@ fn cover(data: &SceneData<'_>, surface: &Surfaces, material: &Materials, weights
 }
 
 /// Mean radiance that points of eight triangles emit: of what is there, as a part of all.
+#[inline(never)]
 pub(super) fn visible_emission(scene: &Scene<'_>, triangle: [u32; 8], weights: [f32x8; 3]) -> Vec3x8 {
     let data = scene.data();
     let surface = fetch::surfaces(data, triangle);

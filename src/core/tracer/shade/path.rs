@@ -10,7 +10,7 @@
 //! only hits that are equal up to rounding can depend on the other rays of a packet.
 
 use super::cutout;
-use super::emitters::{Emitters, from_sky};
+use super::emitters::{Emitters, add_sky};
 use super::hit::SurfacePoints;
 use super::light;
 use super::queue::{Paths, Queue, SLACK};
@@ -109,8 +109,8 @@ impl<'a> PathTracer<'a> {
     /// Adds what paths that meet nothing see of the sky, weighted against aiming at it. `depth` counts their segments.
     #[inline(always)]
     pub(super) fn add_sky(&self, paths: &Paths, hits: &Hits8, depth: u32, radiance: &mut [Rgb8]) {
-        if let Some((value, lanes)) = from_sky(self.tracer.scene(), paths, hits, depth == 1) {
-            super::shadow::accumulate(radiance, paths.slot, value, lanes);
+        if let Some(sky) = &self.tracer.scene().data().sky {
+            add_sky(self.tracer.scene(), sky, paths, hits, depth == 1, radiance);
         }
     }
 
@@ -255,11 +255,12 @@ impl<'a> Wavefront<'a> for PathTracer<'a> {
         let rays = paths.rays();
         self.traffic.packets += 1;
         self.traffic.rays += u64::from(paths.lanes);
-        let (surface, hits) = cutout::meet(&mut self.tracer, &rays, paths.chance(depth));
+        let hits = cutout::closest(&mut self.tracer, &rays, paths.chance(depth));
         self.add_sky(paths, &hits, depth, radiance);
-        let Some(surface) = surface else {
+        if !hits.any() {
             return;
-        };
+        }
+        let surface = SurfacePoints::at(self.tracer.scene(), &rays, &hits);
         self.add_emission(paths, &surface, &hits, radiance);
         if depth >= self.max_depth {
             return;

@@ -132,8 +132,11 @@ impl<'a> Shooter<'a> {
     /// Takes one packet through one segment; returns how many photons it has written.
     fn bounce(&mut self, map: Map, paths: &Paths, depth: u32, is_last: bool, out: &mut [Photon]) -> usize {
         let rays = paths.rays();
-        let (surface, _) = cutout::meet(&mut self.tracer, &rays, paths.chance(depth));
-        let Some(surface) = surface else { return 0 };
+        let hits = cutout::closest(&mut self.tracer, &rays, paths.chance(depth));
+        if !hits.any() {
+            return 0;
+        }
+        let surface = SurfacePoints::at(self.tracer.scene(), &rays, &hits);
         let rough = surface.scatters(Scattering::Rough);
         let stored = store(map, paths, &surface, rough, depth, out);
         if is_last {

@@ -109,6 +109,12 @@ fn all(leaf: &Leaf8) -> [Vec3x8; 3] {
 }
 
 impl Hits8 {
+    /// The lanes that hit something, all bits set.
+    #[inline(always)]
+    pub(crate) fn lanes(&self) -> f32x8 {
+        bytemuck::cast(self.triangle.simd_ne(u32x8::splat(MISS)))
+    }
+
     /// Whether any lane hit something.
     #[inline(always)]
     pub(crate) fn any(&self) -> bool {
