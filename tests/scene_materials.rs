@@ -54,6 +54,14 @@ fn illumination_models_choose_the_scattering() {
         let model = |mtl: &str| kind(&format!("{mtl}\nillum {model}\n"));
         assert_eq!(model("Ni 1.33\nd 0.1"), Scattering::Dielectric);
         assert_eq!(model("Ni 1.33\nTf 0.9 0.9 0.9"), Scattering::Dielectric);
+        // Where it is that or black, and nothing says opaque.
+        assert_eq!(model("Kd 0 0 0\nNi 1.5"), Scattering::Dielectric);
+        assert_eq!(model("Kd 0 0 0\nKs 1 1 1\nNi 1.5"), Scattering::Dielectric);
+        for black in
+            ["Ni 1.5\nd 1", "Ni 1.5\nTf 1 1 1", "Ni 1", "Ni 1.5\nKs 1 1 1\nNs 90", "Ni 1.5\nKe 1 1 1"]
+        {
+            assert_eq!(model(&format!("Kd 0 0 0\n{black}")), Scattering::Rough, "{black}");
+        }
         for opaque in ["Ni 1.33", "Ni 1.33\nd 1", "Ni 1.45\nd 0.95", "d 0.1", "Ni 1\nTf 1 1 1", "Tf 0.5", ""]
         {
             assert_eq!(model(opaque), Scattering::Rough, "{opaque}");

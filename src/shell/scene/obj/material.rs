@@ -4,7 +4,8 @@
 //! * Transparency is stated by `d` below 1, by `Tr` where there is no `d`, or by `Tf` below 1. Where there is an index too
 //!   (`Ni`, not one) what is mostly transparent (`d` up to ½, or `Tf` alone) is a clear dielectric, not tinted: `Tf` is
 //!   written in too many meanings to colour glass by. Else the part `d` is there and the rest is not. `map_d`, or the alpha of `map_Kd`,
-//!   multiplies it. `illum` 4, 6, 7 and 9 alone state nothing: Maya and others write them for everything.
+//!   multiplies it. `illum` 4, 6, 7 and 9 alone state nothing: Maya and others write them for everything. With an index they
+//!   are glass, too, where all that is said besides is a black `Kd`, by which nothing else would be seen.
 //! * `illum` 3 and 5 are a perfect mirror tinted by `Ks` where nothing else is said (no `Kd` but black, no `Ns`).
 //! * All else is diffuse `Kd`, times `map_Kd`, plus a GGX lobe `Ks` of roughness √(2/(Ns+2)), or of `Pr` squared; `Pm`
 //!   turns `Kd` into the colour of a metal.
@@ -160,7 +161,23 @@ impl Converter<'_> {
         let filters = self.stated.tf.is_some_and(|tf| tf.iter().any(|v| *v < 1.0));
         let refracts = self.stated.ni.is_some_and(|ni| ni != 1.0);
         let opacity = self.opacity();
-        refracts && (opacity <= MOSTLY_CLEAR || opacity == 1.0 && filters)
+        let is_clear = opacity <= MOSTLY_CLEAR || opacity == 1.0 && filters || self.is_black_but_for_glass();
+        refracts && is_clear
+    }
+
+    /// Whether the material would be black if its `illum` did not mean glass, and says nothing of how opaque it is.
+    fn is_black_but_for_glass(&self) -> bool {
+        let Stated { illum, kd, ks, ns, pr, pm, ke, tf, d, tr, map_kd, map_d, map_ke, .. } = self.stated;
+        let maps = [map_kd, map_d, map_ke];
+        let is_dark = |colour: &Option<[f32; 3]>| colour.is_none_or(|colour| colour == [0.0; 3]);
+        matches!(illum, Some(4 | 6 | 7 | 9))
+            && *kd == Some([0.0; 3])
+            && is_dark(ke)
+            && (is_dark(ks) || ns.or(*pr).is_none())
+            && pm.is_none()
+            && tf.is_none()
+            && d.or(*tr).is_none()
+            && maps.iter().all(|map| map.is_none())
     }
 
     /// Says how much of the surface is there.
