@@ -7,7 +7,7 @@
 //!
 //! Limits: 2^32 points a key; coordinates are multiples of 2^-24 in [0, 1), never 1.
 
-use wide::{f32x8, i32x8, u32x8};
+use wide::{f32x8, i8x32, i32x8, u32x8};
 
 /// Point number `index` of the two-dimensional set `set` of the sequence named by `key`.
 #[inline]
@@ -89,15 +89,37 @@ fn pascal(x: u32x8) -> u32x8 {
     x ^ (x & u32x8::splat(0xaaaa_aaaa)) >> 1
 }
 
-/// Reverses the order of the bits.
+/// Reverses the order of the bits: that of each half of a byte by a table, then that of the bytes.
 #[inline(always)]
 fn reverse(x: u32x8) -> u32x8 {
-    let swap = |x: u32x8, mask: u32, by: u32| (x >> by & u32x8::splat(mask)) | (x & u32x8::splat(mask)) << by;
-    let x = swap(x, 0x5555_5555, 1);
-    let x = swap(x, 0x3333_3333, 2);
-    let x = swap(x, 0x0f0f_0f0f, 4);
-    let x = swap(x, 0x00ff_00ff, 8);
-    x >> 16 | x << 16
+    const REVERSED: [u8; 16] = [0, 8, 4, 12, 2, 10, 6, 14, 1, 9, 5, 13, 3, 11, 7, 15];
+    const LOW: i8x32 = table(REVERSED);
+    const HIGH: i8x32 = table(shifted(REVERSED));
+    const ORDER: i8x32 = table([3, 2, 1, 0, 7, 6, 5, 4, 11, 10, 9, 8, 15, 14, 13, 12]);
+    let half = u32x8::splat(0x0f0f_0f0f);
+    let [low, high]: [i8x32; 2] = [x & half, x >> 4 & half].map(bytemuck::cast);
+    let bytes = HIGH.swizzle_half_relaxed(low) | LOW.swizzle_half_relaxed(high);
+    bytemuck::cast(bytes.swizzle_half_relaxed(ORDER))
+}
+
+/// A table of sixteen bytes, once for each half of a register.
+const fn table(values: [u8; 16]) -> i8x32 {
+    let (mut twice, mut i) = ([0; 32], 0);
+    while i < 32 {
+        twice[i] = values[i % 16] as i8;
+        i += 1;
+    }
+    i8x32::new(twice)
+}
+
+/// Numbers of four bits, moved to the upper half of a byte.
+const fn shifted(mut values: [u8; 16]) -> [u8; 16] {
+    let mut i = 0;
+    while i < 16 {
+        values[i] <<= 4;
+        i += 1;
+    }
+    values
 }
 
 /// The upper 24 bits as a fraction.

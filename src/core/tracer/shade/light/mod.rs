@@ -112,15 +112,16 @@ fn tree_density(data: &SceneData<'_>, receiver: &Receiver, triangle: [u32; 8], l
 /// Picks lights by the table.
 #[inline(always)]
 fn by_power(data: &SceneData<'_>, u: f32x8) -> Picked {
-    let u = u.to_array();
-    let picked = u.map(|u| pick(data.lights, u));
-    let below = f32x8::from(picked.map(|i| if i == 0 { 0.0 } else { data.lights[i - 1].cumulative }));
-    let above = f32x8::from(picked.map(|i| data.lights[i].cumulative));
+    let Share { light, below, above } = if data.lights.len() <= SHORT {
+        share_of_few(data.lights, u)
+    } else {
+        share_of_many(data.lights, u)
+    };
     // The number that picked the triangle is stretched over its share and serves again.
-    let again = ((f32x8::from(u) - below) / (above - below)).fast_max(f32x8::ZERO).fast_min(f32x8::ONE);
+    let again = ((u - below) / (above - below)).fast_max(f32x8::ZERO).fast_min(f32x8::ONE);
     // Random numbers go by steps: what counts is how many of them fall on the share.
     let steps = (above * f32x8::splat(STEPS)).ceil() - (below * f32x8::splat(STEPS)).ceil();
-    Picked { light: picked.map(|i| i as u32), probability: steps * f32x8::splat(1.0 / STEPS), again }
+    Picked { light, probability: steps * f32x8::splat(1.0 / STEPS), again }
 }
 
 /// How many values a coordinate of [`sobol`](crate::maths::sobol) has.
@@ -137,12 +138,35 @@ pub(super) fn are_few(scene: &Scene<'_>) -> bool {
 /// Tables up to this length are searched from the front.
 const SHORT: usize = 8;
 
-/// The light whose share `u` falls on.
+/// Lights, and where their shares of the table begin and end.
+struct Share {
+    light: [u32; 8],
+    below: f32x8,
+    above: f32x8,
+}
+
+/// The lights whose shares `u` falls on, by a look at each entry of the table.
 #[inline(always)]
-fn pick(lights: &[Light], u: f32) -> usize {
-    let last = lights.len() - 1;
-    if lights.len() <= SHORT {
-        return lights[..last].iter().map(|l| usize::from(l.cumulative <= u)).sum();
+fn share_of_few(lights: &[Light], u: f32x8) -> Share {
+    let (mut light, mut below) = (u32x8::ZERO, f32x8::ZERO);
+    let mut above = f32x8::splat(lights[0].cumulative);
+    for (next, pair) in (1..).zip(lights.windows(2)) {
+        let [end, next_end] = [pair[0].cumulative, pair[1].cumulative].map(f32x8::splat);
+        let beyond = u.simd_ge(end);
+        light = bytemuck::cast::<_, u32x8>(beyond).select(u32x8::splat(next), light);
+        below = beyond.select(end, below);
+        above = beyond.select(next_end, above);
     }
-    lights.partition_point(|l| l.cumulative <= u).min(last)
+    Share { light: light.to_array(), below, above }
+}
+
+/// The same by bisection.
+fn share_of_many(lights: &[Light], u: f32x8) -> Share {
+    let last = lights.len() - 1;
+    let picked = u.to_array().map(|u| lights.partition_point(|l| l.cumulative <= u).min(last));
+    Share {
+        light: picked.map(|i| i as u32),
+        below: f32x8::from(picked.map(|i| if i == 0 { 0.0 } else { lights[i - 1].cumulative })),
+        above: f32x8::from(picked.map(|i| lights[i].cumulative)),
+    }
 }
