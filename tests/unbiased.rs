@@ -10,7 +10,7 @@ mod common;
 
 use common::mean_and_error;
 use pmcip::animation::startup::Predictor;
-use pmcip::frame::render::{render, render_while};
+use pmcip::frame::render::{Run, render, render_while};
 use pmcip::frame::settings::{Method, Settings};
 use pmcip::picture::metrics::luminance;
 use pmcip::scene::{self, LoadedScene};
@@ -39,7 +39,10 @@ fn balanced_and_pooled(scene: &LoadedScene, settings: &Settings) -> [f64; 2] {
         Ok(true)
     };
     let mut none = Predictor::default();
-    let frame = render_while(scene, settings, Some(1), &|_| (), &mut none, &mut look).unwrap();
+    let frame = {
+        let run = Run { threads: Some(1), ..Run::watched(&|_| (), &mut none) };
+        render_while(scene, settings, run, &mut look).unwrap()
+    };
     assert_eq!(frame.tally.rejected, 0);
     [energy(frame.rgb.iter()), energy(pooled.iter())]
 }

@@ -88,12 +88,12 @@ impl Run {
         let mut seen = vec![Belief::NONE; settings.pixels() as usize];
         let mut last = vec![0.0; seen.len()];
         let method = settings.method;
-        let done =
-            render::render_while(scene, settings, Some(1), &|_| (), predictor, &mut |film: &Sampler| {
-                film.beliefs(&mut seen).expect("as large as the film");
-                film.alpha(&mut last).expect("as large as the film");
-                Ok(true)
-            });
+        let run = render::Run { threads: Some(1), ..render::Run::watched(&|_| (), predictor) };
+        let done = render::render_while(scene, settings, run, &mut |film: &Sampler| {
+            film.beliefs(&mut seen).expect("as large as the film");
+            film.alpha(&mut last).expect("as large as the film");
+            Ok(true)
+        });
         done.expect("a frame renders");
         if method == Method::Pmc {
             kernel.alpha(epsilon, &seen, &mut last);

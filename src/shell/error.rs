@@ -44,6 +44,9 @@ pub enum Error {
     /// The work itself failed.
     #[error("{0}")]
     Work(String),
+    /// Somebody has asked for the work to end.
+    #[error("interrupted")]
+    Interrupted,
 }
 
 impl Error {

@@ -167,6 +167,11 @@ impl<'a> Sampler<'a> {
         self.state.iteration
     }
 
+    /// Whether an iteration has begun and not ended.
+    pub fn is_running(&self) -> bool {
+        self.state.running > 0
+    }
+
     /// Number of samples drawn in the iterations that have ended, rejected ones included.
     pub fn samples(&self) -> u64 {
         self.state.samples

@@ -4,11 +4,11 @@
 //! the middle of an iteration, too. So an object can own the memory and a [`State`] where Rust does not let it own a
 //! `Sampler` of its own memory.
 //!
-//! [`Sampler::save`] writes a film between two iterations as bytes, [`Saved`] reads them: a header of eight letters, the
-//! version of the format and a check sum, then settings, progress and planes. All words are little endian on every
-//! machine. What goes on after that has the same bits as if it had never been interrupted.
+//! [`Sampler::save`] writes a film as bytes, also in the middle of an iteration, [`Saved`] reads them: a header of eight
+//! letters, the version of the format and a check sum, then settings, progress and planes. All words are little endian on
+//! every machine. What goes on after that has the same bits as if it had never been interrupted.
 
-use super::allocate::Mixture;
+use super::allocate::{MAX_SAMPLES, Mixture};
 use super::fair::Fair;
 use super::film::{Layout, Planes, WORDS};
 use super::kernel::{Criterion, Window};
@@ -43,9 +43,8 @@ impl<'a> Sampler<'a> {
     /// Writes the film as bytes, [`saved_len`](Self::saved_len) of them.
     ///
     /// # Errors
-    /// If an iteration is running, or `out` has another length.
+    /// If `out` has another length.
     pub fn save(&self, out: &mut [u8]) -> Result<(), Error> {
-        self.at_rest()?;
         if out.len() != self.saved_len() {
             return Err(Error::Output);
         }
@@ -57,7 +56,7 @@ impl<'a> Sampler<'a> {
         put(fields, &mut self.state.fields().into_iter());
         let p = &self.planes;
         let floats = p.mean.iter().chain([&p.m2]).chain(&p.fair).chain([&p.target]);
-        let words = p.count.iter().chain(p.drawn.iter()).copied();
+        let words = p.count.iter().chain(p.drawn.iter()).chain(p.planned.iter()).copied();
         let floats = floats.flat_map(|plane| plane.iter().map(|v| v.to_bits()));
         put(planes, &mut words.chain(floats).chain(p.label.iter().copied()));
         let sum = check_sum(body);
@@ -70,13 +69,13 @@ impl<'a> Sampler<'a> {
 
 const MAGIC: &[u8; 8] = b"pmcip fl";
 /// Version of the format.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 /// Bytes before the words.
 const HEADER: usize = 16;
 /// Words before the planes.
-const FIELDS: usize = 28;
+const FIELDS: usize = 30;
 /// Planes that are saved, but for labels.
-const PLANES: usize = 10;
+const PLANES: usize = 11;
 
 /// Of bytes, whose number is a multiple of four (FNV-1a over words, both halves).
 fn check_sum(bytes: &[u8]) -> u32 {
@@ -100,12 +99,13 @@ fn number<T: PartialEq>(all: &[T], value: T) -> u32 {
 }
 
 impl State {
-    /// All of it but what is running, as words.
+    /// All of it, as words.
     fn fields(&self) -> [u32; FIELDS] {
         let s = &self.settings;
         let (fair, promised) = self.fair.parts();
         let halves = |v: u64| [v as u32, (v >> 32) as u32];
         let ([a, b], [c, d], [e, f]) = (halves(self.samples), halves(promised), halves(self.mixture.samples));
+        let [g, h] = halves(self.running);
         [
             s.width,
             s.height,
@@ -135,6 +135,8 @@ impl State {
             f,
             self.mixture.floor.to_bits(),
             self.mixture.epsilon.to_bits(),
+            g,
+            h,
         ]
     }
 
@@ -170,7 +172,8 @@ impl State {
             floor: f32::from_bits(word()),
             epsilon: f32::from_bits(word()),
         };
-        fits.then_some(State {
+        let running = u64::from(word()) | u64::from(word()) << 32;
+        (fits && running <= MAX_SAMPLES).then_some(State {
             settings,
             labelled,
             used,
@@ -179,7 +182,7 @@ impl State {
             samples,
             fair,
             mixture,
-            running: 0,
+            running,
         })
     }
 }
@@ -225,14 +228,17 @@ impl<'b> Saved<'b> {
         Saved { state, planes }.consistent(&layout)
     }
 
-    /// Itself, if labels are such and agree with what else is said of them.
+    /// Itself, if labels and what is planned are such and agree with what else is said of them.
     fn consistent(self, layout: &Layout) -> Result<Self, Error> {
         let pixels = layout.pixels();
-        let mut used = pixels;
+        let (mut used, planned) = (pixels, self.words(2, pixels));
+        if planned.clone().map(u64::from).sum::<u64>() > self.state.running {
+            return Err(Error::Saved);
+        }
         if self.state.labelled {
-            let drawn = self.words(1, pixels);
-            let labels = self.words(PLANES, pixels);
-            if !labels.clone().zip(drawn).all(|(l, d)| l < 1 << 16 && (l != 0 || d == u32::MAX)) {
+            let (drawn, labels) = (self.words(1, pixels), self.words(PLANES, pixels));
+            let unused = |(d, p): (u32, u32)| d == u32::MAX && p == 0;
+            if !labels.clone().zip(drawn.zip(planned)).all(|(l, of)| l < 1 << 16 && (l != 0 || unused(of))) {
                 return Err(Error::Saved);
             }
             used = labels.filter(|label| *label != 0).count();
@@ -262,15 +268,13 @@ impl<'b> Saved<'b> {
         let (count, rest) = w.split_at_mut(pixels);
         let (drawn, rest) = rest.split_at_mut(pixels);
         let (planned, label) = rest.split_at_mut(pixels);
-        planned.fill(0);
-        for (to, plane) in
-            [(count, 0), (drawn, 1), (label, PLANES)].into_iter().filter(|(to, _)| !to.is_empty())
-        {
+        let planes = [(count, 0), (drawn, 1), (planned, 2), (label, PLANES)];
+        for (to, plane) in planes.into_iter().filter(|(to, _)| !to.is_empty()) {
             to.iter_mut().zip(self.words(plane, pixels)).for_each(|(to, word)| *to = word);
         }
         for (k, to) in f.chunks_exact_mut(pixels).enumerate() {
             to.iter_mut()
-                .zip(self.words(WORDS - 1 + k, pixels))
+                .zip(self.words(WORDS + k, pixels))
                 .for_each(|(to, word)| *to = f32::from_bits(word));
         }
         Sampler::resume(self.state, Memory { floats: f, words: w })

@@ -6,6 +6,7 @@
 //! unasked; one that cannot be read is rendered again.
 
 use crate::error::Error;
+use crate::frame::render::difference;
 use crate::picture::frame_io;
 use std::collections::BTreeMap;
 use std::fmt::{self, Display, Formatter};
@@ -13,9 +14,6 @@ use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
-
-/// Attributes that tell what became of a frame or of the one before it, not what was asked for.
-const OUTCOMES: [&str; 3] = ["estimated_err", "spent_spp", "expected_spp"];
 
 /// Frames that a list may have: more are a mistake.
 pub const MOST: u64 = 1_000_000;
@@ -168,20 +166,7 @@ pub fn state(file: &Path, wanted: &BTreeMap<String, String>) -> State {
         Err(error) if begins_as_exr(file) => return State::Damaged(reason(&error)),
         Err(error) => return State::Other(reason(&error)),
     };
-    let asked = |name: &&String| !OUTCOMES.contains(&name.as_str());
-    let mut names: Vec<&String> = wanted.keys().chain(found.keys()).filter(asked).collect();
-    // The scene's hash follows from nearly every other setting: say it last.
-    names.sort_by_key(|name| (name.as_str() == "scene_hash", name.as_str()));
-    match names.into_iter().find(|name| found.get(*name) != wanted.get(*name)) {
-        None => State::Complete,
-        Some(name) if name == "scene_hash" => State::Other("the scene or the program was another".into()),
-        Some(name) => {
-            let say = |attributes: &BTreeMap<String, String>| {
-                attributes.get(name).map_or("not set".into(), |value| format!("'{value}'"))
-            };
-            State::Other(format!("{name} was {}, now it is {}", say(&found), say(wanted)))
-        }
-    }
+    difference(&found, wanted).map_or(State::Complete, State::Other)
 }
 
 /// Whether a file was an EXR file, as far as it goes: any other is somebody's own.

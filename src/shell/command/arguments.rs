@@ -93,6 +93,15 @@ pub struct Render {
     /// Estimated perceptual error (Err) below which a frame ends, with --spp samples per pixel at most
     #[arg(long, value_name = "E", value_parser = positive, allow_negative_numbers = true, conflicts_with = "iterations")]
     pub target_err: Option<f32>,
+    /// Seconds that a frame may take, with --spp samples per pixel at most [default of that: none]
+    #[arg(long, value_name = "SECONDS", value_parser = positive, allow_negative_numbers = true, conflicts_with = "iterations")]
+    pub time: Option<f32>,
+    /// Write what there is of a frame every so many seconds, beside it as NAME.film; --resume goes on from that
+    #[arg(long, value_name = "SECONDS", value_parser = not_negative, allow_negative_numbers = true)]
+    pub checkpoint: Option<f32>,
+    /// Go on from NAME.film, if there is one: what --checkpoint or an interrupt (Ctrl-C) have left
+    #[arg(long)]
+    pub resume: bool,
     /// Frames of an animation: A..B, first and last included, an open end being the scene's, or a list of numbers and
     /// ranges such as 2,4,10-20
     ///
@@ -104,7 +113,7 @@ pub struct Render {
     #[arg(long, requires = "frames")]
     pub missing: bool,
     /// What a frame starts from that follows another one
-    #[arg(long, value_enum, value_name = "START", default_value = "motion", requires = "frames")]
+    #[arg(long, value_enum, value_name = "START", default_value = "uniform", requires = "frames")]
     pub startup: Startup,
     /// Blend filtered frames with those before them (with --estimator guided): less flicker
     #[arg(long, requires = "frames")]

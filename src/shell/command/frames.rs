@@ -2,20 +2,20 @@
 
 use super::arguments::Render;
 use super::common::{Failure, admit, bad, blame, eye, failed, load, look, note, say};
+use super::kept::{Kept, attributes};
 use super::print::Rendered;
 use super::progress;
-use super::render::{output_name, render_settings};
+use super::render::{known_spp, output_name, render_settings};
+use super::signals::Signals;
 use indicatif::ProgressBar;
 use pmcip::animation::motion;
 use pmcip::animation::sequence::{self, List, State};
 use pmcip::animation::startup::Predictor;
 use pmcip::animation::video::{self, Video};
-use pmcip::compare::reference::fingerprint;
-use pmcip::frame::render;
 use pmcip::frame::settings::{Layer, Settings};
 use pmcip::picture::frame_io;
 use pmcip::picture::output;
-use pmcip::scene::{Animation, LoadedScene, Pose};
+use pmcip::scene::{Animation, Pose};
 use pmcip_core::sampler::Tally;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
@@ -69,6 +69,7 @@ struct Sequence<'a> {
     /// What the frames before have told.
     predictor: Predictor,
     total: Total,
+    signals: Signals,
 }
 
 /// Renders the frames of `list` that are not there, and the video; or says which are not there.
@@ -87,6 +88,7 @@ pub fn render_frames(arguments: &Render, list: &List) -> Result<(), Failure> {
         spent_spp: None,
         predictor: Predictor::default(),
         total: Total::default(),
+        signals: Signals::catch(),
     };
     if arguments.missing {
         sequence.say_missing();
@@ -96,8 +98,7 @@ pub fn render_frames(arguments: &Render, list: &List) -> Result<(), Failure> {
     sequence.prepare()?;
     let settings = render_settings(sequence.animation.scene(), arguments)?;
     let missing = sequence.frames.len() - kept.len();
-    let bar =
-        progress::bar(settings.pixels(), u64::from(settings.spp) * missing as u64, arguments.common.quiet);
+    let bar = progress::bar(settings.pixels(), known_spp(&settings, missing), arguments.common.quiet);
     for frame in sequence.frames.clone() {
         bar.set_message(format!("frame {frame} of {}", sequence.last()));
         let is_there = kept.contains(&frame) && sequence.keep(frame)?;
@@ -145,7 +146,6 @@ impl Sequence<'_> {
         let scene = self.animation.scene();
         let mut settings = render_settings(scene, self.arguments)?;
         settings.sampler.frame = frame;
-        settings.startup = self.arguments.startup;
         if let Some(target) = &mut settings.target {
             target.expected_spp = self.spent_spp;
         }
@@ -220,19 +220,18 @@ impl Sequence<'_> {
         let Task { settings, attributes, rebuild_seconds } = self.seek(frame)?;
         let scene = self.animation.scene();
         scene.require_light().map_err(bad)?;
-        let threads = self.arguments.common.threads;
-        let progress = |samples| bar.inc(samples);
-        let done = render::render_next(scene, &settings, threads, &progress, &mut self.predictor);
-        let mut done = done.map_err(blame)?;
+        let files = self.files(frame);
+        let kept = Kept { exr: &files[0], attributes, arguments: self.arguments };
+        let mut done = kept.render(scene, &settings, &mut self.predictor, &self.signals, bar)?;
         if settings.layers.contains(Layer::Motion) {
             done.layers.extend(self.motion(&settings)?);
         }
         let mut picture = done.picture(&settings, scene);
-        picture.attributes.extend(attributes);
-        let files = self.files(frame);
+        picture.attributes.extend(kept.attributes.clone());
         // The PNG first: where the EXR is, all of the frame is.
         frame_io::write_png(&files[1], &picture, self.exposure()).map_err(failed)?;
         frame_io::write_exr(&files[0], &picture).map_err(failed)?;
+        kept.remove();
         let rendered = Some(Rendered::new(scene, &settings, &done, &files));
         self.print(&Line { frame, kept: false, rebuild_seconds, files: &files, rendered });
         self.spent_spp = done.estimated_err.map(|_| done.spp() as u32);
@@ -306,11 +305,4 @@ impl Sequence<'_> {
         }
         text + "\n"
     }
-}
-
-/// What the file of a frame says: its settings, and the hash of the scene as it is in this frame.
-fn attributes(scene: &LoadedScene, settings: &Settings) -> BTreeMap<String, String> {
-    let mut attributes = render::attributes(scene, settings);
-    attributes.insert("scene_hash".into(), fingerprint(scene, settings));
-    attributes
 }

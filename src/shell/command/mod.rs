@@ -8,12 +8,14 @@ mod error;
 mod frames;
 mod guide;
 mod info;
+mod kept;
 mod layers;
 mod print;
 pub mod processor;
 mod progress;
 mod reference;
 mod render;
+mod signals;
 mod values;
 
 use arguments::Command;

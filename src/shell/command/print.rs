@@ -99,9 +99,12 @@ impl Display for Rendered<'_> {
             f,
             "{}: {width}×{height} pixels, {}",
             self.scene,
-            match self.settings.target {
-                Some(_) => format!("at most {spp} samples per pixel"),
-                None => format!("{spp} samples per pixel in {iterations} iterations"),
+            match (self.settings.grows(), self.settings.seconds) {
+                (false, _) => format!("{spp} samples per pixel in {iterations} iterations"),
+                (true, None) => format!("at most {spp} samples per pixel"),
+                (true, Some(time)) => {
+                    format!("{} samples per pixel in the {time} seconds that there were", self.spent_spp)
+                }
             }
         )?;
         if let (Some(target), Some(err)) = (self.settings.target, self.estimated_err) {

@@ -1,10 +1,13 @@
 //! The command `render`: one frame.
 
 use super::arguments::Render;
-use super::common::{Failure, admit, bad, failed, load, print, settings, work};
+use super::common::{Failure, admit, bad, failed, load, look, print, settings};
+use super::kept::{Kept, attributes};
 use super::layers;
 use super::print::Rendered;
-use pmcip::frame::schedule::Target;
+use super::progress;
+use super::signals::Signals;
+use pmcip::frame::schedule::{MOST_SPP, Target};
 use pmcip::frame::settings::Settings;
 use pmcip::picture::{frame_io, output};
 use pmcip::scene::LoadedScene;
@@ -17,10 +20,16 @@ pub fn render_frame(arguments: &Render) -> Result<(), Failure> {
     let png = exr.with_extension("png");
     [&exr, &png].into_iter().try_for_each(|path| output::check(path)).map_err(bad)?;
     let settings = render_settings(&scene, arguments)?;
-    let frame = work(&scene, &settings, &arguments.common)?;
+    look(&scene, &settings, &arguments.common)?;
+    let signals = Signals::catch();
+    let bar = progress::bar(settings.pixels(), known_spp(&settings, 1), arguments.common.quiet);
+    let kept = Kept { exr: &exr, attributes: attributes(&scene, &settings), arguments };
+    let frame = kept.render(&scene, &settings, &mut (), &signals, &bar)?;
+    bar.finish_and_clear();
     let picture = frame.picture(&settings, &scene);
     frame_io::write_exr(&exr, &picture).map_err(failed)?;
     frame_io::write_png(&png, &picture, arguments.exposure.unwrap_or(scene.exposure)).map_err(failed)?;
+    kept.remove();
     let files = [exr, png];
     let report = Rendered::new(&scene, &settings, &frame, &files);
     print(&arguments.common, arguments.json, &report);
@@ -30,6 +39,11 @@ pub fn render_frame(arguments: &Render) -> Result<(), Failure> {
 /// The file that is asked for, or one named after the scene.
 pub fn output_name(arguments: &Render, scene: &LoadedScene) -> PathBuf {
     arguments.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.exr", scene.name)))
+}
+
+/// Samples a pixel that `frames` frames take, if that is known.
+pub fn known_spp(settings: &Settings, frames: usize) -> Option<u64> {
+    settings.seconds.is_none().then(|| u64::from(settings.spp) * frames as u64)
 }
 
 /// The settings of `render`.
@@ -44,6 +58,15 @@ pub fn render_settings(scene: &LoadedScene, arguments: &Render) -> Result<Settin
         return Err(bad("--history needs --estimator guided: it blends filtered frames"));
     }
     settings.history = arguments.history;
+    settings.startup = arguments.startup;
     settings.target = arguments.target_err.map(|err| Target { err, expected_spp: None });
+    settings.seconds = arguments.time;
+    if arguments.time.is_some() && arguments.spp.is_none() {
+        settings.spp = MOST_SPP;
+    }
+    if arguments.checkpoint.is_some() && !settings.stands_alone() {
+        let other = "--history, --target-err or a --startup other than uniform";
+        return Err(bad(format!("--checkpoint cannot be used with {other}: they need more than the film")));
+    }
     Ok(settings)
 }

@@ -7,9 +7,9 @@
 
 use super::features::{Seen, Sight};
 use super::guide::Filtered;
-use super::memory::zeros;
+use super::memory::{self, zeros};
 use super::photons::{Order, Photons, Shot};
-use super::schedule::LEAST_SPP;
+use super::schedule::{Clock, LEAST_SPP, Target};
 use super::settings::{Integrator, Layer, Settings};
 use super::stop::Judge;
 use super::threads::{Crew, start_threads};
@@ -19,11 +19,13 @@ use crate::picture::frame_io::Picture;
 use crate::scene::LoadedScene;
 use pmcip_core::predict::Prior;
 use pmcip_core::sampler::estimate::Estimator;
-use pmcip_core::sampler::{Memory, Sampler, Tally};
+use pmcip_core::sampler::saved::Saved;
+use pmcip_core::sampler::{self, Memory, Sampler, Tally};
 use pmcip_core::tracer::scene::Scene;
 use rayon::ThreadPool;
 use serde_json::Value;
 use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 /// What a frame starts from, and who learns from it. `()` starts from nothing and learns nothing.
@@ -108,11 +110,10 @@ impl Frame {
     }
 
     /// What became of a frame that could end early, by name.
-    fn outcome(&self) -> impl Iterator<Item = (String, String)> {
-        let spent =
-            move |err: f64| [("estimated_err", err.to_string()), ("spent_spp", self.spp().to_string())];
-        let list = self.estimated_err.map(spent).into_iter().flatten();
-        list.map(|(name, value)| (name.to_owned(), value))
+    fn outcome(&self, settings: &Settings) -> impl Iterator<Item = (String, String)> {
+        let err = self.estimated_err.map(|err| ("estimated_err", err));
+        let spent = settings.grows().then(|| ("spent_spp", self.spp()));
+        err.into_iter().chain(spent).map(|(name, value)| (name.to_owned(), value.to_string()))
     }
 
     /// The frame as it goes to disk: with the layers asked for, and every setting by name.
@@ -125,7 +126,7 @@ impl Frame {
             height: settings.sampler.height,
             rgb: self.rgb.clone(),
             planes: self.layers.clone().into_iter().chain(counted).collect(),
-            attributes: self.outcome().chain(attributes(scene, settings)).collect(),
+            attributes: self.outcome(settings).chain(attributes(scene, settings)).collect(),
         }
     }
 
@@ -153,6 +154,25 @@ pub fn attributes(scene: &LoadedScene, settings: &Settings) -> BTreeMap<String, 
         settings_by_name.insert("sky".into(), Value::String(sky.source.clone()));
     }
     settings_by_name.into_iter().map(|(name, value)| (name, plain(value))).collect()
+}
+
+/// Attributes that tell what became of a frame or of the one before it, not what was asked for.
+const OUTCOMES: [&str; 3] = ["estimated_err", "spent_spp", "expected_spp"];
+
+/// What was asked for otherwise in `found` than in `wanted`, if anything was.
+pub fn difference(found: &BTreeMap<String, String>, wanted: &BTreeMap<String, String>) -> Option<String> {
+    let asked = |name: &&String| !OUTCOMES.contains(&name.as_str());
+    let mut names: Vec<&String> = wanted.keys().chain(found.keys()).filter(asked).collect();
+    // The scene's hash follows from nearly every other setting: say it last.
+    names.sort_by_key(|name| (name.as_str() == "scene_hash", name.as_str()));
+    let name = names.into_iter().find(|name| found.get(*name) != wanted.get(*name))?;
+    if name == "scene_hash" {
+        return Some("the scene or the program was another".into());
+    }
+    let say = |attributes: &BTreeMap<String, String>| {
+        attributes.get(name).map_or("not set".into(), |value| format!("'{value}'"))
+    };
+    Some(format!("{name} was {}, now it is {}", say(found), say(wanted)))
 }
 
 /// A setting as the command line takes it: no quotes, no brackets.
@@ -192,38 +212,76 @@ pub fn render_next(
     progress: &(dyn Fn(u64) + Sync),
     learner: &mut dyn Learner,
 ) -> Result<Frame, Error> {
-    let Some(target) = settings.target else {
-        return render_while(scene, settings, threads, progress, learner, &mut |_| Ok(true));
-    };
+    let run = Run { threads, ..Run::watched(progress, learner) };
+    render_while(scene, settings, run, &mut |_| Ok(true))
+}
+
+/// How a frame is rendered, beyond its settings.
+pub struct Run<'r> {
+    /// Threads that work, all there are if that is `None`.
+    pub threads: Option<usize>,
+    /// Called from any of them with the number of samples just drawn.
+    pub progress: &'r (dyn Fn(u64) + Sync),
+    /// What the frame starts from, and who learns from it.
+    pub learner: &'r mut dyn Learner,
+    /// Once it is set the run ends with [`Error::Interrupted`] as soon as every thread has done its job: some thousand samples.
+    pub interrupted: &'r AtomicBool,
+    /// A film of the same frame, to go on from.
+    pub saved: Option<Saved<'r>>,
+}
+
+impl<'r> Run<'r> {
+    /// On all threads, from the beginning to the end.
+    pub fn watched(progress: &'r (dyn Fn(u64) + Sync), learner: &'r mut dyn Learner) -> Self {
+        static NEVER: AtomicBool = AtomicBool::new(false);
+        Run { threads: None, progress, learner, interrupted: &NEVER, saved: None }
+    }
+}
+
+/// Renders a frame until it is good enough, its time is over, its samples are spent, or `go_on` says no, which is shown the
+/// film after every iteration.
+///
+/// Iterations end at the same samples for any number of threads, so that a decision from the film alone keeps the frame's
+/// bits the same. If the run is interrupted `go_on` is shown the film once more, in the middle of an iteration.
+///
+/// # Errors
+/// As [`render`]; [`Error::Interrupted`]; [`Error::Setting`] if the saved film is of another frame; and what `go_on` returns.
+pub fn render_while(
+    scene: &LoadedScene,
+    settings: &Settings,
+    run: Run<'_>,
+    go_on: &mut dyn FnMut(&Sampler<'_>) -> Result<bool, Error>,
+) -> Result<Frame, Error> {
     let core = &settings.sampler;
-    let mut judge = Judge::new(core.width, core.height, core.cd_per_unit)?;
-    let mut estimated = None;
-    let least = LEAST_SPP * settings.pixels();
-    let frame = render_while(scene, settings, threads, progress, learner, &mut |film| {
-        estimated = judge.look(film)?;
-        let good = estimated.is_some_and(|err| err < f64::from(target.err));
-        Ok(!(good && film.samples() >= least))
+    let judge = || Judge::new(core.width, core.height, core.cd_per_unit);
+    let mut judge = settings.target.is_some().then(judge).transpose()?;
+    let clock = Clock::new(settings.seconds);
+    let (mut estimated, least) = (None, LEAST_SPP * settings.pixels());
+    let frame = render_iterations(scene, settings, run, &mut |film| {
+        if film.is_running() {
+            return go_on(film);
+        }
+        if let Some(judge) = &mut judge {
+            estimated = judge.look(film)?;
+        }
+        let good = |target: Target| estimated.is_some_and(|err| err < f64::from(target.err));
+        let is_done = settings.target.is_some_and(good) && film.samples() >= least;
+        Ok(go_on(film)? && !is_done && clock.leaves_time(film.samples()))
     })?;
     Ok(Frame { estimated_err: estimated, ..frame })
 }
 
-/// Renders a frame as [`render_next`] does, until `go_on`, which is shown the film after every iteration, says no.
-///
-/// Iterations end at the same samples for any number of threads, so that a decision from the film alone keeps the
-/// frame's bits the same.
-///
-/// # Errors
-/// As [`render`], and what `go_on` returns.
-pub fn render_while(
+/// Renders a frame until its samples are spent or `go_on` says no.
+fn render_iterations(
     scene: &LoadedScene,
     settings: &Settings,
-    threads: Option<usize>,
-    progress: &(dyn Fn(u64) + Sync),
-    learner: &mut dyn Learner,
+    run: Run<'_>,
     go_on: &mut dyn FnMut(&Sampler<'_>) -> Result<bool, Error>,
 ) -> Result<Frame, Error> {
+    let Run { threads, progress, learner, interrupted, saved } = run;
     let start = Instant::now();
     layers::check(settings)?;
+    memory::require(settings)?;
     let pool = start_threads(threads)?;
     let view = Scene::new(scene.data()).map_err(Error::setting)?;
     let photons = shoot(view, settings, pool.as_ref())?;
@@ -235,14 +293,25 @@ pub fn render_while(
     let memory = Memory { floats: &mut floats, words: &mut words };
     learner.begin(scene, settings)?;
     let film = if learner.predicts() { settings.predicted_film() } else { settings.film() };
-    let mut sampler = Sampler::new(film, memory).map_err(Error::setting)?;
-    let mut tally = Tally::default();
+    let mut sampler = match &saved {
+        Some(saved) => go_on_from(saved, film, memory)?,
+        None => Sampler::new(film, memory).map_err(Error::setting)?,
+    };
+    progress(sampler.samples());
+    let mut tally = Tally { samples: sampler.samples(), rejected: 0 };
     let predicted = learner.predicts().then(|| settings.predicted_schedule());
     let plain = predicted.is_none().then(|| settings.schedule());
-    for samples in predicted.into_iter().flatten().chain(plain.into_iter().flatten()) {
-        let prior = learner.prior(sampler.iterations());
-        sampler.begin_predicted(samples, prior).map_err(Error::setting)?;
-        crew.work(sampler.jobs(), progress);
+    let schedule = predicted.into_iter().flatten().chain(plain.into_iter().flatten());
+    for samples in schedule.skip(sampler.iterations() as usize) {
+        if !sampler.is_running() {
+            let prior = learner.prior(sampler.iterations());
+            sampler.begin_predicted(samples, prior).map_err(Error::setting)?;
+        }
+        crew.work(sampler.jobs(), interrupted, progress);
+        if interrupted.load(Ordering::Relaxed) {
+            go_on(&sampler)?;
+            return Err(Error::Interrupted);
+        }
         tally = sampler.end().map_err(Error::work)?;
         learner.see(&sampler, settings)?;
         if !go_on(&sampler)? {
@@ -267,6 +336,19 @@ pub fn render_while(
     frame.photons = photons.as_ref().map(Photons::shot);
     (frame.threads, frame.seconds) = (crew.len(), start.elapsed().as_secs_f64());
     Ok(frame)
+}
+
+/// A saved film on its memory, if it is of the frame whose film this is.
+fn go_on_from<'a>(
+    saved: &Saved<'_>,
+    film: sampler::Settings,
+    memory: Memory<'a>,
+) -> Result<Sampler<'a>, Error> {
+    let sampler = saved.restore(memory).map_err(Error::setting)?;
+    match *sampler.settings() == film {
+        true => Ok(sampler),
+        false => Err(Error::Setting("the saved film is of a frame of other settings".into())),
+    }
 }
 
 /// The photon maps that the integrator needs.

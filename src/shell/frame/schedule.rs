@@ -1,12 +1,37 @@
 //! When a frame may end early, and the samples of its iterations then.
 
 use pmcip_core::sampler::allocate::MAX_SAMPLES;
+use std::time::Instant;
 
 /// Samples a pixel before which no frame ends.
 pub const LEAST_SPP: u64 = 8;
 
 /// Samples a pixel of the first iteration, and of the others at least.
 pub const PILOT_SPP: u32 = 2;
+
+/// Most samples a pixel of a frame that has a time but no number of samples.
+pub const MOST_SPP: u32 = 1 << 20;
+
+/// Ends a frame when its time is over.
+#[derive(Clone, Debug)]
+pub struct Clock {
+    start: Instant,
+    seconds: Option<f32>,
+}
+
+impl Clock {
+    /// A clock that starts now, and leaves time for ever without a limit.
+    pub fn new(seconds: Option<f32>) -> Clock {
+        Clock { start: Instant::now(), seconds }
+    }
+
+    /// Whether the next iteration, an eighth of what has been done (see [`Growth`]), ends nearer to the limit than the last
+    /// one, by the time that samples have taken so far.
+    pub fn leaves_time(&self, samples: u64) -> bool {
+        let spent = self.start.elapsed().as_secs_f64();
+        self.seconds.is_none_or(|limit| samples == 0 || spent * (1.0 + 1.0 / 16.0) < f64::from(limit))
+    }
+}
 
 /// When a frame may end before its samples are spent.
 #[derive(Clone, Copy, Debug, PartialEq)]

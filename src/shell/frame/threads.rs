@@ -4,7 +4,7 @@ use super::memory::lock;
 use super::settings::{Integrator, Settings};
 use crate::error::Error;
 use pmcip_core::sampler::batch::{Batch8, Integrand, Rgb8};
-use pmcip_core::sampler::{Jobs, Workspace};
+use pmcip_core::sampler::{Job, Jobs, Workspace};
 use pmcip_core::tracer::camera::Camera;
 use pmcip_core::tracer::scene::Scene;
 use pmcip_core::tracer::shade::direct::{DirectLighting, Samples};
@@ -14,6 +14,7 @@ use pmcip_core::tracer::shade::path::{Packet, PathTracer, Traffic};
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Batches a thread works on at once.
 const BATCHES: usize = 256;
@@ -75,19 +76,19 @@ impl<'a> Crew<'a> {
         })
     }
 
-    /// Renders all jobs of an iteration.
-    pub fn work(&self, jobs: Jobs<'_>, progress: &(dyn Fn(u64) + Sync)) {
-        let jobs = Mutex::new(jobs);
-        self.all(|worker| self.work_as(worker, &jobs, progress));
+    /// Renders all jobs of an iteration, or those that are begun before the work is `interrupted`.
+    pub fn work(&self, jobs: Jobs<'_>, interrupted: &AtomicBool, progress: &(dyn Fn(u64) + Sync)) {
+        let queue = Queue { jobs: Mutex::new(jobs), interrupted };
+        self.all(|worker| self.work_as(worker, &queue, progress));
     }
 
     /// Renders all jobs of an iteration of a lightmap.
     pub fn bake(&self, jobs: Jobs<'_>, plane: &(impl Unwrapped + Sync), progress: &(dyn Fn(u64) + Sync)) {
-        let jobs = Mutex::new(jobs);
+        let queue = Queue { jobs: Mutex::new(jobs), interrupted: &AtomicBool::new(false) };
         self.all(|Worker { packets, batches, radiance, .. }| {
             let Ok(mut work) = Workspace::new(batches, radiance) else { return };
             drain(
-                &jobs,
+                &queue,
                 &mut Irradiance::new(self.scene, plane, self.max_depth, packets),
                 &mut work,
                 progress,
@@ -103,26 +104,26 @@ impl<'a> Crew<'a> {
         }
     }
 
-    /// Renders jobs as one of the workers until none is left.
-    fn work_as(&self, worker: &mut Worker, jobs: &Mutex<Jobs<'_>>, progress: &(dyn Fn(u64) + Sync)) {
+    /// Renders jobs as one of the workers until there are no more.
+    fn work_as(&self, worker: &mut Worker, queue: &Queue<'_>, progress: &(dyn Fn(u64) + Sync)) {
         let Ok(mut work) = Workspace::new(&mut worker.batches, &mut worker.radiance) else { return };
         let (scene, camera, depth, memory) = (self.scene, self.camera, self.max_depth, &mut worker.packets);
         let traffic = match self.integrator {
             Integrator::Path => {
                 let mut tracer = PathTracer::new(scene, camera, depth, memory);
-                drain(jobs, &mut tracer, &mut work, progress);
+                drain(queue, &mut tracer, &mut work, progress);
                 tracer.traffic()
             }
             Integrator::Direct { light_samples, bsdf_samples } => {
                 let samples = Samples { light: light_samples, bsdf: bsdf_samples };
                 let mut tracer = DirectLighting::new(scene, camera, depth, samples, memory);
-                drain(jobs, &mut tracer, &mut work, progress);
+                drain(queue, &mut tracer, &mut work, progress);
                 tracer.traffic()
             }
             Integrator::Gather { .. } => {
                 let Some(maps) = self.maps else { return };
                 let mut tracer = Gather::new(scene, camera, depth, maps, memory);
-                drain(jobs, &mut tracer, &mut work, progress);
+                drain(queue, &mut tracer, &mut work, progress);
                 tracer.traffic()
             }
         };
@@ -163,17 +164,27 @@ impl Worker {
     }
 }
 
-/// Renders jobs until none is left.
+/// The jobs of an iteration that nobody has begun yet.
+struct Queue<'q> {
+    jobs: Mutex<Jobs<'q>>,
+    /// Once it is set there are no more.
+    interrupted: &'q AtomicBool,
+}
+
+impl<'q> Queue<'q> {
+    fn next(&self) -> Option<Job<'q>> {
+        if self.interrupted.load(Ordering::Relaxed) { None } else { lock(&self.jobs).next() }
+    }
+}
+
+/// Renders jobs until there are no more.
 fn drain(
-    jobs: &Mutex<Jobs<'_>>,
+    queue: &Queue<'_>,
     integrand: &mut impl Integrand,
     work: &mut Workspace<'_>,
     progress: &(dyn Fn(u64) + Sync),
 ) {
-    loop {
-        // A statement of its own, so that the lock is released before the work begins.
-        let next = lock(jobs).next();
-        let Some(mut job) = next else { break };
+    while let Some(mut job) = queue.next() {
         job.render(integrand, work);
         progress(job.samples());
     }

@@ -48,6 +48,8 @@ pub struct Settings {
     pub history: bool,
     /// When to end before all samples are spent.
     pub target: Option<Target>,
+    /// Seconds after which a frame ends, if that is before its samples are spent; at least one iteration is made.
+    pub seconds: Option<f32>,
     /// What the frame's file has beside the picture.
     pub layers: Layers,
 }
@@ -69,6 +71,7 @@ impl Settings {
             startup: Startup::Uniform,
             history: false,
             target: None,
+            seconds: None,
             layers: Layers::default(),
         }
     }
@@ -105,12 +108,22 @@ impl Settings {
         }
     }
 
+    /// Whether nobody knows beforehand how many samples the frame takes: then iterations grow with what has been spent.
+    pub fn grows(&self) -> bool {
+        self.target.is_some() || self.seconds.is_some()
+    }
+
+    /// Whether the frame goes on from its film alone: nothing is remembered of earlier frames or iterations.
+    pub fn stands_alone(&self) -> bool {
+        !self.history && self.target.is_none() && self.startup == Startup::Uniform
+    }
+
     /// The core's settings for a frame whose first iteration has `pilot` samples a pixel.
     fn core(&self, pilot: u32) -> sampler::Settings {
-        match self.target {
+        match self.grows() {
             // Nobody knows how long the frame will be, but it has no less than these.
-            Some(_) => self.sampler.for_frame(PILOT_SPP.min(pilot), self.spp.min(LEAST_SPP as u32)),
-            None => self.sampler.for_frame(pilot, self.spp),
+            true => self.sampler.for_frame(PILOT_SPP.min(pilot), self.spp.min(LEAST_SPP as u32)),
+            false => self.sampler.for_frame(pilot, self.spp),
         }
     }
 
@@ -139,7 +152,8 @@ impl Settings {
     }
 
     fn schedule_after(&self, pilot: u32, iterations: u32) -> impl Iterator<Item = u64> + use<> {
-        let growth = self.target.map(|target| Growth::new(self.pixels(), self.spp, target.expected_spp));
+        let expected = self.target.and_then(|target| target.expected_spp);
+        let growth = self.grows().then(|| Growth::new(self.pixels(), self.spp, expected));
         let fixed = || Schedule::new(self.pixels(), self.spp, pilot, iterations);
         let fixed = growth.is_none().then(fixed);
         growth.into_iter().flatten().chain(fixed.into_iter().flatten())
@@ -173,6 +187,7 @@ mod tests {
             startup: Startup::Uniform,
             history: false,
             target: None,
+            seconds: None,
             layers: Layers::default(),
         }
     }

@@ -27,6 +27,7 @@ impl Settings {
             startup,
             history,
             target,
+            seconds,
             layers,
         } = *self;
         let View { from, at, up, fov, aperture, focus } = view;
@@ -59,10 +60,14 @@ impl Settings {
         if layers != Layers::default() {
             list.insert("layers".into(), layers.iter().map(Layer::name).collect());
         }
-        if let Some(Target { err, expected_spp }) = target {
-            // Iterations then grow with what has been spent.
+        if self.grows() {
             list.remove("iterations");
             list.remove("pilot_spp");
+        }
+        if let Some(seconds) = seconds {
+            list.insert("time".into(), short(seconds).into());
+        }
+        if let Some(Target { err, expected_spp }) = target {
             list.insert("target_err".into(), short(err).into());
             list.insert("expected_spp".into(), expected_spp.into());
         }
@@ -165,6 +170,7 @@ mod tests {
             startup: Startup::Uniform,
             history: false,
             target: None,
+            seconds: None,
             layers: Layers::default(),
         }
     }

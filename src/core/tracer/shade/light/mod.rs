@@ -112,11 +112,8 @@ fn tree_density(data: &SceneData<'_>, receiver: &Receiver, triangle: [u32; 8], l
 /// Picks lights by the table.
 #[inline(always)]
 fn by_power(data: &SceneData<'_>, u: f32x8) -> Picked {
-    let Share { light, below, above } = if data.lights.len() <= SHORT {
-        share_of_few(data.lights, u)
-    } else {
-        share_of_many(data.lights, u)
-    };
+    let Share { light, below, above } =
+        if data.lights.len() <= SHORT { share_of_few(data.lights, u) } else { share_of_many(data.lights, u) };
     // The number that picked the triangle is stretched over its share and serves again.
     let again = ((u - below) / (above - below)).fast_max(f32x8::ZERO).fast_min(f32x8::ONE);
     // Random numbers go by steps: what counts is how many of them fall on the share.
