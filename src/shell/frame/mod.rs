@@ -9,6 +9,7 @@
 //! * [`stop`] – when a frame is good enough; [`probe`] – whether the camera sees any light;
 //! * [`version`] – the number of the pictures that this program makes.
 
+mod budget;
 pub mod checkpoint;
 pub mod cost;
 pub mod features;

@@ -7,13 +7,13 @@
 
 use super::features::{Seen, Sight};
 use super::guide::Filtered;
-use super::memory::{self, zeros};
+use super::memory::zeros;
 use super::photons::{Order, Photons, Shot};
 use super::schedule::{Clock, LEAST_SPP, Target};
 use super::settings::{Integrator, Layer, Settings};
 use super::stop::Judge;
 use super::threads::{Crew, start_threads};
-use super::{guide, layers};
+use super::{budget, guide, layers};
 use crate::error::Error;
 use crate::picture::frame_io::Picture;
 use crate::scene::LoadedScene;
@@ -281,7 +281,7 @@ fn render_iterations(
     let Run { threads, progress, learner, interrupted, saved } = run;
     let start = Instant::now();
     layers::check(settings)?;
-    memory::require(settings)?;
+    budget::require(settings)?;
     let pool = start_threads(threads)?;
     let view = Scene::new(scene.data()).map_err(Error::setting)?;
     let photons = shoot(view, settings, pool.as_ref())?;

@@ -1,0 +1,83 @@
+//! Whether there is enough memory for a frame.
+
+use super::layers;
+use super::settings::{Layer, Settings};
+use crate::error::Error;
+use pmcip_core::sampler::estimate::Estimator;
+use sysinfo::{MemoryRefreshKind, RefreshKind, System};
+
+/// Bytes that a frame takes at most at once, without the scene and the files' buffers.
+fn needed(settings: &Settings) -> u64 {
+    /// The film, a frame's planes, what one more of them takes, and what filtering takes, a pixel.
+    const FILM: u64 = 44;
+    const FRAME: u64 = 24;
+    const PLANE: u64 = 4;
+    const FEATURES: u64 = 28;
+    const FILTER: u64 = 116;
+    let guided = settings.sampler.estimator == Estimator::Guided;
+    let planes: usize = settings.layers.iter().map(|layer: Layer| layer.channels().len()).sum();
+    let mut pixel = FILM + FRAME + PLANE * planes as u64;
+    if guided || layers::need_features(settings.layers) {
+        pixel += FEATURES;
+    }
+    if guided {
+        pixel += FILTER;
+    }
+    settings.pixels().saturating_mul(pixel)
+}
+
+/// Bytes of memory that are free, if the system tells.
+fn available() -> Option<u64> {
+    let memory = RefreshKind::nothing().with_memory(MemoryRefreshKind::everything());
+    let system = System::new_with_specifics(memory).ok()?;
+    let free = system.available_memory().saturating_add(system.free_swap());
+    let allowed = system.cgroup_limits().map_or(u64::MAX, |limits| limits.free_memory);
+    Some(free.min(allowed)).filter(|bytes| *bytes > 0)
+}
+
+/// Refuses a frame for which there is not enough memory, which systems that promise more than they have would not: they
+/// end the program in the middle of its work.
+///
+/// # Errors
+/// [`Error::Work`] that says how much is needed and how much there is.
+pub(crate) fn require(settings: &Settings) -> Result<(), Error> {
+    match available() {
+        Some(available) => enough(settings, needed(settings), available),
+        None => Ok(()),
+    }
+}
+
+fn enough(settings: &Settings, needed: u64, available: u64) -> Result<(), Error> {
+    if needed <= available {
+        return Ok(());
+    }
+    let giga = |bytes: u64| format!("{:.1} GB", bytes as f64 / 1e9);
+    let (width, height) = (settings.sampler.width, settings.sampler.height);
+    Err(Error::Work(format!(
+        "not enough memory: {width}×{height} pixels need {}, {} are free",
+        giga(needed),
+        giga(available)
+    )))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frame::settings::Method;
+    use crate::scene::Animation;
+    use std::path::Path;
+
+    #[test]
+    fn what_is_needed_is_said() {
+        let cornell = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/cornell.toml");
+        let cornell = Animation::open(&cornell, &Default::default()).unwrap();
+        let mut settings = Settings::new(cornell.scene(), Method::Pmc, None, Some((16384, 16384)));
+        // Film and picture, and the three planes that every file has by default.
+        assert_eq!(needed(&settings), (1 << 28) * (44 + 24 + 12));
+        settings.set_estimator(Estimator::Guided);
+        assert_eq!(needed(&settings), (1 << 28) * (44 + 24 + 12 + 28 + 116));
+        assert!(enough(&settings, needed(&settings), u64::MAX).is_ok());
+        let refusal = enough(&settings, needed(&settings), 8_000_000_000).unwrap_err().to_string();
+        assert_eq!(refusal, "not enough memory: 16384×16384 pixels need 60.1 GB, 8.0 GB are free");
+    }
+}
