@@ -134,7 +134,7 @@ fn what_needs_more_than_the_film_has_no_checkpoint() {
         );
     }
     fs::write(room.path().join("room.film"), "anything\n").unwrap();
-    failure(room.path(), "render room.toml --resume", 2, "room.film: it is no checkpoint");
+    failure(room.path(), "render room.toml --resume", 2, "room.film: it is no film file");
 }
 
 #[test]

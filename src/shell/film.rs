@@ -281,6 +281,15 @@ impl Film {
         Ok(bytes)
     }
 
+    /// Takes in a film of the same frame with another seed, as [`save`](Self::save) wrote it: [`Sampler::merge`].
+    ///
+    /// # Errors
+    /// If it is no film of this version, or of another frame.
+    pub fn merge(&mut self, bytes: &[u8]) -> Result<(), Error> {
+        let saved = Saved::new(bytes).map_err(Error::setting)?;
+        self.with(|sampler| sampler.merge(&saved))
+    }
+
     fn plane<T: Clone + Default>(
         &mut self,
         read: impl FnOnce(&Sampler<'_>, &mut [T]) -> Result<(), CoreError>,

@@ -46,6 +46,15 @@ impl Fair {
         self.count
     }
 
+    /// That of two films together.
+    pub fn and(self, other: Fair) -> Fair {
+        let count = self.count.saturating_add(other.count);
+        Fair {
+            count,
+            promised: self.promised.saturating_add(other.promised).min(u64::from(count) << FRACTION_BITS),
+        }
+    }
+
     /// Promises `more` samples a pixel.
     pub fn promise(self, more: f64) -> Fair {
         // Rounded up, so that parts of a whole number make it up.

@@ -53,6 +53,7 @@ pub mod guide;
 mod job;
 pub mod kernel;
 mod memory;
+mod merge;
 mod read;
 pub mod saved;
 mod schedule;

@@ -12,6 +12,7 @@ use super::allocate::{MAX_SAMPLES, Mixture};
 use super::fair::Fair;
 use super::film::{Layout, Planes, WORDS};
 use super::kernel::{Criterion, Window};
+use super::merge::Pixel;
 use super::state::State;
 use super::{Error, Estimator, Memory, Mode, Sampler, Sequence, Settings};
 
@@ -248,6 +249,25 @@ impl<'b> Saved<'b> {
 
     fn words(&self, plane: usize, pixels: usize) -> impl Iterator<Item = u32> + Clone + 'b {
         self.planes[plane * pixels..(plane + 1) * pixels].iter().map(|word| u32::from_le_bytes(*word))
+    }
+
+    /// Whether its labels are these.
+    pub(super) fn has_labels(&self, labels: &[u32]) -> bool {
+        !self.state.labelled || self.words(PLANES, labels.len()).eq(labels.iter().copied())
+    }
+
+    /// What it knows of pixel `i`, in storage order.
+    pub(super) fn pixel(&self, i: usize) -> Pixel {
+        let pixels = self.planes.len() / (PLANES + usize::from(self.state.labelled));
+        let word = |plane: usize| u32::from_le_bytes(self.planes[plane * pixels + i]);
+        let float = |plane: usize| f32::from_bits(word(WORDS + plane));
+        Pixel {
+            count: word(0),
+            drawn: word(1),
+            mean: [float(0), float(1), float(2)],
+            m2: float(3),
+            fair: [float(4), float(5), float(6)],
+        }
     }
 
     /// Settings of the film, and how much memory it needs.

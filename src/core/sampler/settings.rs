@@ -202,6 +202,8 @@ pub enum Error {
     Piece,
     /// Bytes that are not a saved film of this version, or damaged.
     Saved,
+    /// Films that are to be merged are not of the same frame with different seeds.
+    Merge,
     /// Labels have not the length of the picture, or all are 0.
     Labels,
     /// A prediction has not the length of the picture.
@@ -239,6 +241,7 @@ impl core::fmt::Display for Error {
                 "a piece is delivered once, in its iteration, with a radiance for each of its samples"
             }
             Error::Saved => "not a saved film of this version, or damaged",
+            Error::Merge => "only films of the same frame with different seeds can be merged",
             Error::Labels => "labels must have one entry a pixel, and one must not be 0",
             Error::Prior => "a prediction must have one entry a pixel",
             Error::Guide => "a guided picture needs a guide, and that and its features one entry a pixel",

@@ -38,6 +38,14 @@ pub enum Command {
     /// unbiased samples in every neighbourhood. It keeps the frame's other layers and its settings.
     #[command(verbatim_doc_comment)]
     Guide(Guide),
+    /// Merge films of one frame that were rendered apart, with different seeds
+    ///
+    /// Each comes from `render --film --seed N`, with all other settings the same. Their picture is that of all samples, and as
+    /// free of bias as each. The order of the films does not matter, to the bit. Beside OUT.exr and its PNG stands OUT.film,
+    /// the merged film: it can be merged on, and `render --resume` with the settings of the first seed filters it (with
+    /// --estimator guided, which needs the scene).
+    #[command(verbatim_doc_comment)]
+    Merge(Merge),
     /// Bake the light that falls on a scene's surfaces into a lightmap
     ///
     /// Surfaces are laid out anew, whatever texture coordinates they have: beside LIGHTMAP.exr (irradiance, `mask`, `count`)
@@ -102,6 +110,9 @@ pub struct Render {
     /// Go on from NAME.film, if there is one: what --checkpoint or an interrupt (Ctrl-C) have left
     #[arg(long)]
     pub resume: bool,
+    /// Write the film, too, as NAME.film: what `pmcip merge` takes
+    #[arg(long)]
+    pub film: bool,
     /// Frames of an animation: A..B, first and last included, an open end being the scene's, or a list of numbers and
     /// ranges such as 2,4,10-20
     ///
@@ -142,6 +153,23 @@ pub struct Guide {
     #[arg(long, value_name = "DENOISED.exr")]
     pub with: PathBuf,
     /// EXR file to write, with a PNG beside it
+    #[arg(short, long, value_name = "OUT.exr", value_parser = exr_path)]
+    pub output: PathBuf,
+    /// Brightness of the PNG in stops: each doubles it
+    #[arg(long, value_name = "EV", allow_hyphen_values = true, value_parser = finite, default_value_t = 0.0)]
+    pub exposure: f32,
+    /// Print one JSON object instead of words
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `merge`.
+#[derive(Debug, Args)]
+pub struct Merge {
+    /// Film files of `render --film` or `merge`
+    #[arg(value_name = "FILM", required = true)]
+    pub films: Vec<PathBuf>,
+    /// EXR file to write, with a PNG and the merged film beside it
     #[arg(short, long, value_name = "OUT.exr", value_parser = exr_path)]
     pub output: PathBuf,
     /// Brightness of the PNG in stops: each doubles it

@@ -231,7 +231,7 @@ impl Sequence<'_> {
         // The PNG first: where the EXR is, all of the frame is.
         frame_io::write_png(&files[1], &picture, self.exposure()).map_err(failed)?;
         frame_io::write_exr(&files[0], &picture).map_err(failed)?;
-        kept.remove();
+        kept.finish(&done)?;
         let rendered = Some(Rendered::new(scene, &settings, &done, &files));
         self.print(&Line { frame, kept: false, rebuild_seconds, files: &files, rendered });
         self.spent_spp = done.estimated_err.map(|_| done.spp() as u32);

@@ -1,7 +1,7 @@
 //! A frame that leaves what there is of it on disk, and goes on from that.
 
 use super::arguments::Render;
-use super::common::{Failure, bad, blame};
+use super::common::{Failure, bad, blame, failed};
 use super::signals::Signals;
 use indicatif::ProgressBar;
 use pmcip::compare::reference::fingerprint;
@@ -33,9 +33,17 @@ pub struct Kept<'a> {
 }
 
 impl Kept<'_> {
-    /// Removes what was kept of the frame, which is complete.
-    pub fn remove(&self) {
-        checkpoint::remove(self.exr);
+    /// The frame is complete: keeps its film if that is asked for, and else removes what there was of it.
+    pub fn finish(&self, frame: &Frame) -> Result<(), Failure> {
+        match &frame.film {
+            Some(film) => {
+                checkpoint::write(&checkpoint::path(self.exr), &self.attributes, film).map_err(failed)
+            }
+            None => {
+                checkpoint::remove(self.exr);
+                Ok(())
+            }
+        }
     }
 
     /// Renders the frame, from where it was left if that is asked for; what there is of it stays on disk if that is, or if
@@ -66,6 +74,7 @@ impl Kept<'_> {
         let run = Run {
             threads: self.arguments.common.threads,
             interrupted: signals.caught(),
+            with_film: self.arguments.film,
             saved,
             ..Run::watched(&progress, learner)
         };

@@ -10,6 +10,7 @@ mod guide;
 mod info;
 mod kept;
 mod layers;
+mod merge;
 mod print;
 pub mod processor;
 mod progress;
@@ -29,6 +30,7 @@ pub fn run(command: Command) -> Result<(), Failure> {
             None => render::render_frame(&arguments),
         },
         Command::Bake(arguments) => bake::bake_lightmap(&arguments),
+        Command::Merge(arguments) => merge::merge_films(&arguments),
         Command::Guide(arguments) => guide::guide_picture(&arguments),
         Command::Reference(arguments) => reference::render_reference(&arguments),
         Command::Compare(arguments) => compare::compare_methods(&arguments),

@@ -29,7 +29,7 @@ pub fn render_frame(arguments: &Render) -> Result<(), Failure> {
     let picture = frame.picture(&settings, &scene);
     frame_io::write_exr(&exr, &picture).map_err(failed)?;
     frame_io::write_png(&png, &picture, arguments.exposure.unwrap_or(scene.exposure)).map_err(failed)?;
-    kept.remove();
+    kept.finish(&frame)?;
     let files = [exr, png];
     let report = Rendered::new(&scene, &settings, &frame, &files);
     print(&arguments.common, arguments.json, &report);

@@ -1,4 +1,4 @@
-//! A frame that is not finished, on disk: what a run that ends too early can go on from.
+//! A frame's film on disk: what a run that ends too early can go on from, and what films rendered apart are merged from.
 //!
 //! The file's first line is JSON: the attributes that the finished frame will have, by which it is known again. The rest is the
 //! film, as [`Saved`](pmcip_core::sampler::saved::Saved) reads it; 44 bytes a pixel. It appears whole or not at all, as all files.
@@ -10,7 +10,7 @@ use crate::picture::output;
 use pmcip_core::sampler::Sampler;
 use std::collections::BTreeMap;
 use std::fs;
-use std::io::{ErrorKind, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -48,14 +48,7 @@ impl<'a> Keeper<'a> {
         if !film.is_running() && !is_due {
             return Ok(());
         }
-        let mut bytes = zeros(film.saved_len())?;
-        film.save(&mut bytes).map_err(Error::work)?;
-        // Plain data with string keys: it cannot fail to become JSON.
-        let line = serde_json::to_string(self.attributes).unwrap_or_default();
-        output::write(&self.path, |file| {
-            writeln!(file, "{line}")?;
-            file.write_all(&bytes)
-        })?;
+        write(&self.path, self.attributes, &bytes(film)?)?;
         self.last = Instant::now();
         Ok(())
     }
@@ -64,6 +57,29 @@ impl<'a> Keeper<'a> {
     pub fn path(&self) -> &Path {
         &self.path
     }
+}
+
+/// A film as bytes.
+///
+/// # Errors
+/// [`Error::Work`] if memory is lacking.
+pub fn bytes(film: &Sampler<'_>) -> Result<Vec<u8>, Error> {
+    let mut bytes = zeros(film.saved_len())?;
+    film.save(&mut bytes).map_err(Error::work)?;
+    Ok(bytes)
+}
+
+/// Writes a film file.
+///
+/// # Errors
+/// [`Error::Write`].
+pub fn write(path: &Path, attributes: &BTreeMap<String, String>, film: &[u8]) -> Result<(), Error> {
+    // Plain data with string keys: it cannot fail to become JSON.
+    let line = serde_json::to_string(attributes).unwrap_or_default();
+    output::write(path, |file| {
+        writeln!(file, "{line}")?;
+        file.write_all(film)
+    })
 }
 
 /// Removes the checkpoint of a frame that is complete.
@@ -77,22 +93,29 @@ pub fn remove(exr: &Path) {
 /// # Errors
 /// [`Error::Read`] if the checkpoint cannot be read, is none, or is of another frame.
 pub fn read(path: &Path, wanted: &BTreeMap<String, String>) -> Result<Option<Vec<u8>>, Error> {
-    let bytes = match fs::read(path) {
-        Ok(bytes) => bytes,
-        Err(reason) if reason.kind() == ErrorKind::NotFound => return Ok(None),
-        Err(reason) => return Err(Error::read(path, output::plain(&reason))),
-    };
-    let (found, film) = split(&bytes).ok_or_else(|| Error::read(path, "it is no checkpoint"))?;
+    if !path.exists() {
+        return Ok(None);
+    }
+    let (found, film) = open(path)?;
     match difference(&found, wanted) {
-        None => Ok(Some(film.to_vec())),
+        None => Ok(Some(film)),
         Some(why) => {
             Err(Error::read(path, format!("it is of another frame: {why}; remove it to begin anew")))
         }
     }
 }
 
-/// Attributes and film of a checkpoint's bytes.
-fn split(bytes: &[u8]) -> Option<(BTreeMap<String, String>, &[u8])> {
-    let end = bytes.iter().take(LONGEST_LINE).position(|byte| *byte == b'\n')?;
-    Some((serde_json::from_slice(&bytes[..end]).ok()?, &bytes[end + 1..]))
+/// Attributes and film of a film file.
+///
+/// # Errors
+/// [`Error::Read`] if it cannot be read or is none.
+pub fn open(path: &Path) -> Result<(BTreeMap<String, String>, Vec<u8>), Error> {
+    let mut bytes = fs::read(path).map_err(|reason| Error::read(path, output::plain(&reason)))?;
+    let end = bytes.iter().take(LONGEST_LINE).position(|byte| *byte == b'\n');
+    let attributes = end.and_then(|end| serde_json::from_slice(&bytes[..end]).ok());
+    let (Some(end), Some(attributes)) = (end, attributes) else {
+        return Err(Error::read(path, "it is no film file"));
+    };
+    bytes.drain(..=end);
+    Ok((attributes, bytes))
 }

@@ -13,7 +13,7 @@ use super::schedule::{Clock, LEAST_SPP, Target};
 use super::settings::{Integrator, Layer, Settings};
 use super::stop::Judge;
 use super::threads::{Crew, start_threads};
-use super::{budget, guide, layers};
+use super::{budget, checkpoint, guide, layers};
 use crate::error::Error;
 use crate::picture::frame_io::Picture;
 use crate::scene::LoadedScene;
@@ -89,6 +89,8 @@ pub struct Frame {
     /// Planes of further layers by channel name, as far as [`Settings::layers`] asks for them; [`Layer::Motion`] is added by
     /// who knows the frame before.
     pub layers: BTreeMap<String, Vec<f32>>,
+    /// The film as bytes, if it was asked for.
+    pub film: Option<Vec<u8>>,
     /// Samples accepted and rejected.
     pub tally: Tally,
     /// Photon maps that were shot, if any were.
@@ -157,7 +159,10 @@ pub fn attributes(scene: &LoadedScene, settings: &Settings) -> BTreeMap<String, 
 }
 
 /// Attributes that tell what became of a frame or of the one before it, not what was asked for.
-const OUTCOMES: [&str; 3] = ["estimated_err", "spent_spp", "expected_spp"];
+const OUTCOMES: [&str; 4] = ["estimated_err", "spent_spp", "expected_spp", MERGED_SEEDS];
+
+/// Attribute of a frame that was merged: the seeds of its parts.
+pub const MERGED_SEEDS: &str = "merged_seeds";
 
 /// What was asked for otherwise in `found` than in `wanted`, if anything was.
 pub fn difference(found: &BTreeMap<String, String>, wanted: &BTreeMap<String, String>) -> Option<String> {
@@ -226,6 +231,8 @@ pub struct Run<'r> {
     pub learner: &'r mut dyn Learner,
     /// Once it is set the run ends with [`Error::Interrupted`] as soon as every thread has done its job: some thousand samples.
     pub interrupted: &'r AtomicBool,
+    /// Whether the finished frame shall have its [film](Frame::film).
+    pub with_film: bool,
     /// A film of the same frame, to go on from.
     pub saved: Option<Saved<'r>>,
 }
@@ -234,7 +241,7 @@ impl<'r> Run<'r> {
     /// On all threads, from the beginning to the end.
     pub fn watched(progress: &'r (dyn Fn(u64) + Sync), learner: &'r mut dyn Learner) -> Self {
         static NEVER: AtomicBool = AtomicBool::new(false);
-        Run { threads: None, progress, learner, interrupted: &NEVER, saved: None }
+        Run { threads: None, progress, learner, interrupted: &NEVER, with_film: false, saved: None }
     }
 }
 
@@ -278,7 +285,7 @@ fn render_iterations(
     run: Run<'_>,
     go_on: &mut dyn FnMut(&Sampler<'_>) -> Result<bool, Error>,
 ) -> Result<Frame, Error> {
-    let Run { threads, progress, learner, interrupted, saved } = run;
+    let Run { threads, progress, learner, interrupted, with_film, saved } = run;
     let start = Instant::now();
     layers::check(settings)?;
     budget::require(settings)?;
@@ -320,6 +327,7 @@ fn render_iterations(
     }
     learner.end(&sampler)?;
     let mut frame = read_out(&sampler)?;
+    frame.film = with_film.then(|| checkpoint::bytes(&sampler)).transpose()?;
     let sight =
         Sight { scene: view, camera: crew.camera(), max_depth: settings.max_depth, size: (width, height) };
     let seen = see(sight, settings, crew.pool())?;
@@ -377,6 +385,7 @@ fn read_out(sampler: &Sampler<'_>) -> Result<Frame, Error> {
         count: zeros(pixels)?,
         alpha: zeros(pixels)?,
         layers: BTreeMap::new(),
+        film: None,
         tally: Tally::default(),
         photons: None,
         lane_occupancy: 0.0,
