@@ -276,7 +276,8 @@ impl<'a> Sampler<'a> {
         let missing = self.lacking(next);
         // What is due to few pixels cannot always be rounded to fewer samples than there are.
         if missing > samples {
-            return self.lacking(self.state.fair);
+            // After films have been merged even what was promised before can be more: it waits.
+            return Some(self.lacking(self.state.fair)).filter(|missing| *missing <= samples).unwrap_or(0);
         }
         self.state.fair = next;
         missing

@@ -163,7 +163,8 @@ impl State {
             balance_radius: word(),
         };
         let layout = settings.check().ok()?;
-        let (labelled, used, open, iteration) = (word() == 1, word() as usize, word() as usize, word());
+        let labelled = *[false, true].get(word() as usize)?;
+        let (used, open, iteration) = (word() as usize, word() as usize, word());
         let fits = (1..=layout.pixels()).contains(&used) && (1..=used).contains(&open);
         let samples = u64::from(word()) | u64::from(word()) << 32;
         let fair = Fair::of(word(), u64::from(word()) | u64::from(word()) << 32);
