@@ -6,7 +6,7 @@ use super::values::{
     vector,
 };
 use clap::error::ErrorKind;
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 use pmcip::animation::sequence;
 use pmcip::compare::{Other, Variant};
 use pmcip::frame::settings::{
@@ -46,6 +46,13 @@ pub enum Command {
     /// --estimator guided, which needs the scene).
     #[command(verbatim_doc_comment)]
     Merge(Merge),
+    /// Print a render as the tasks of a queue: a script for Slurm, or an Open Job Description
+    ///
+    /// An animation is divided into chunks of frames, one frame into films of different seeds, which `merge` puts together.
+    /// A task that is killed goes on where it was when it is queued again. For any other queue: each task is one
+    /// `render --frames LIST`, or one `render --film --seed N`, with --resume and --checkpoint.
+    #[command(verbatim_doc_comment)]
+    Farm(Farm),
     /// Bake the light that falls on a scene's surfaces into a lightmap
     ///
     /// Surfaces are laid out anew, whatever texture coordinates they have: beside LIGHTMAP.exr (irradiance, `mask`, `count`)
@@ -178,6 +185,35 @@ pub struct Merge {
     /// Print one JSON object instead of words
     #[arg(long)]
     pub json: bool,
+}
+
+/// A queue of jobs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Queue {
+    /// A job array, for sbatch
+    Slurm,
+    /// An Open Job Description template (2023-09)
+    Openjd,
+}
+
+/// Arguments of `farm`.
+#[derive(Debug, Args)]
+pub struct Farm {
+    /// The queue
+    #[arg(value_enum)]
+    pub queue: Queue,
+    /// Frames of a task
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), default_value_t = 10)]
+    pub chunk: u32,
+    /// Films of one frame, each with a seed of its own
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub seeds: Option<u32>,
+    /// Seconds between the checkpoints of a task
+    #[arg(long, value_name = "SECONDS", value_parser = not_negative, allow_negative_numbers = true, default_value_t = 300.0)]
+    pub checkpoint: f32,
+    /// The render, after `--`: render SCENE …
+    #[arg(last = true, required = true, value_name = "render SCENE …")]
+    pub render: Vec<String>,
 }
 
 /// Arguments of `bake`.

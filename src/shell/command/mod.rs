@@ -5,6 +5,7 @@ mod bake;
 mod common;
 mod compare;
 mod error;
+mod farm;
 mod frames;
 mod guide;
 mod info;
@@ -30,6 +31,7 @@ pub fn run(command: Command) -> Result<(), Failure> {
             None => render::render_frame(&arguments),
         },
         Command::Bake(arguments) => bake::bake_lightmap(&arguments),
+        Command::Farm(arguments) => farm::divide(&arguments),
         Command::Merge(arguments) => merge::merge_films(&arguments),
         Command::Guide(arguments) => guide::guide_picture(&arguments),
         Command::Reference(arguments) => reference::render_reference(&arguments),
