@@ -1,7 +1,7 @@
 //! The command `farm`: a render divided into tasks, as a job script or template of a queue.
 
 use super::arguments::{Arguments, Command, Farm, Queue, Render};
-use super::common::{Failure, bad, load, say};
+use super::common::{Failure, bad, failed, load, say};
 use super::render::output_name;
 use clap::Parser;
 use pmcip::animation::sequence;
@@ -36,10 +36,13 @@ pub fn divide(arguments: &Farm) -> Result<(), Failure> {
     let words = std::iter::once("pmcip".to_owned()).chain(arguments.render.iter().cloned());
     let parsed = Arguments::try_parse_from(words).map_err(|why| bad(first_line(&why.to_string())))?;
     let Command::Render(render) = parsed.command else { return Err(bad("only `render` can be divided")) };
-    let tasks = tasks(arguments, &render)?;
+    let mut tasks = tasks(arguments, &render)?;
     match arguments.queue {
         Queue::Slurm => say(&tasks.slurm(arguments.checkpoint)),
-        Queue::Openjd => say(&tasks.openjd(arguments.checkpoint)),
+        Queue::Openjd => {
+            tasks.name_whole_paths().map_err(failed)?;
+            say(&tasks.openjd(arguments.checkpoint));
+        }
     }
     Ok(())
 }
@@ -83,6 +86,15 @@ fn common(words: &[String]) -> Vec<String> {
 }
 
 impl Tasks {
+    /// Names files by their whole paths: tasks of an Open Job Description run in folders of their own.
+    fn name_whole_paths(&mut self) -> std::io::Result<()> {
+        self.name = std::path::absolute(&self.name)?;
+        for word in self.command.iter_mut().filter(|word| Path::new(word).is_file()) {
+            *word = std::path::absolute(&*word)?.display().to_string();
+        }
+        Ok(())
+    }
+
     /// The words of a task, given what stands for its frames or its seed.
     fn words(&self, checkpoint: f32, part: &str) -> Vec<String> {
         let (option, name) = match self.by {
