@@ -213,3 +213,21 @@ fn any_picture_of_the_right_size_can_be_the_reference() {
         assert!(stderr.lines().count() == 1 && stderr.contains(words), "{more}: {stderr}");
     }
 }
+
+#[test]
+fn samples_that_are_no_numbers_are_said() {
+    let folder = tempfile::tempdir().unwrap();
+    // A lamp seen in a part of the picture is brighter than a sample may be.
+    let scene = "[film]\nwidth = 16\nheight = 16\n[camera]\nfrom = [0, 0, 5]\nat = [0, 0, 0]\nfov = 40\n\
+        [[lights]]\ncenter = [0, 0, 0]\nedge_u = [1, 0, 0]\nedge_v = [0, 1, 0]\nradiance = [1e17, 1e17, 1e17]\n\
+        [[lights]]\ncenter = [1, 1, 0]\nedge_u = [0.5, 0, 0]\nedge_v = [0, 0.5, 0]\nradiance = [1, 1, 1]\n";
+    fs::write(folder.path().join("s.toml"), scene).unwrap();
+    let compare = "compare s.toml --spp 4 --methods pmc --runs 1 --reference-spp 16 -o report --quiet";
+    let mut program = Command::new(env!("CARGO_BIN_EXE_pmcip"));
+    let Output { status, stderr, .. } =
+        program.current_dir(folder.path()).args(compare.split(' ')).output().unwrap();
+    let said = String::from_utf8(stderr).unwrap();
+    assert_eq!(status.code(), Some(3), "{said}");
+    assert!(said.contains("samples") && said.contains("left out of the picture"), "{said}");
+    assert!(folder.path().join("report/report.json").exists());
+}

@@ -365,7 +365,7 @@ pub struct Compare {
     #[arg(long, value_name = "A..B")]
     pub frames: Option<sequence::Range>,
     /// What a frame starts from that follows another one, where the method does not say
-    #[arg(long, value_enum, value_name = "START", default_value = "motion", requires = "frames")]
+    #[arg(long, value_enum, value_name = "START", default_value = "uniform", requires = "frames")]
     pub startup: Startup,
     /// Image to judge by [default: rendered, and kept in the folder]; of frames the name without number
     #[arg(long, value_name = "REF.exr", conflicts_with = "reference_spp")]

@@ -1,7 +1,9 @@
 //! The command `compare`: methods against a reference.
 
 use super::arguments::Compare;
-use super::common::{Failure, bad, blame, failed, load, note, path_settings, print_json, say, settings};
+use super::common::{
+    Failure, admit, bad, blame, failed, load, note, path_settings, print_json, say, settings,
+};
 use super::progress;
 use pmcip::compare::report::{FILES, Report};
 use pmcip::compare::{self, Comparison, Moving, Other, Plan, Shot, Stage, Still, reference};
@@ -37,7 +39,8 @@ fn compare_still(arguments: &Compare, scene: &LoadedScene) -> Result<(), Failure
     for (other, picture) in others {
         comparison.add(other, &picture, &stage.0).map_err(blame)?;
     }
-    finish_report(arguments, Report::new(scene, &plan, &reference, &comparison))
+    finish_report(arguments, Report::new(scene, &plan, &reference, &comparison))?;
+    admit(arguments.common.quiet, comparison.tally)
 }
 
 /// The pictures of other programs, those of one name in a row: read before any work, since they may not fit.
@@ -65,7 +68,8 @@ fn compare_sequence(
     let reference = find_references(arguments, &mut stage)?;
     let (_, base) = stage.seek(*frames.start()).map_err(blame)?;
     let (plan, comparison) = run_plan(arguments, &mut stage, base)?;
-    finish_report(arguments, Report::new(stage.animation.scene(), &plan, &reference, &comparison))
+    finish_report(arguments, Report::new(stage.animation.scene(), &plan, &reference, &comparison))?;
+    admit(arguments.common.quiet, comparison.tally)
 }
 
 /// Renders and measures everything.

@@ -4,6 +4,7 @@ use super::other::Other;
 use super::stats::Measures;
 use crate::frame::render::Frame;
 use crate::frame::settings::Settings;
+use pmcip_core::sampler::Tally;
 use serde::Serialize;
 
 /// One method at one sample count.
@@ -86,4 +87,6 @@ pub struct Comparison {
     pub oracle_ratio_equal_rays: Option<f64>,
     /// Threads that worked.
     pub threads: usize,
+    /// Samples of all renders, accepted and rejected.
+    pub tally: Tally,
 }

@@ -14,6 +14,7 @@ use crate::frame::render::{self, Frame};
 use crate::frame::settings::{Settings, word};
 use crate::picture::frame_io::Picture;
 use crate::picture::metrics::{self, Errors};
+use pmcip_core::sampler::Tally;
 
 /// What one render has shown.
 #[derive(Clone, Copy, Debug)]
@@ -56,7 +57,7 @@ pub fn run(stage: &mut dyn Stage, plan: &Plan, progress: &(dyn Fn(u64) + Sync)) 
         .flat_map(|spp| plan.variants.iter().map(|variant| Cell::new(plan, variant, *spp)))
         .collect();
     let frames = stage.frames();
-    let (mut shown, mut oracle_ratio_equal_rays) = (Vec::new(), None);
+    let (mut shown, mut oracle_ratio_equal_rays, mut tally) = (Vec::new(), None, Tally::default());
     for run in 0..plan.runs {
         for frame in frames.clone() {
             let shot = stage.show(frame)?;
@@ -74,6 +75,7 @@ pub fn run(stage: &mut dyn Stage, plan: &Plan, progress: &(dyn Fn(u64) + Sync)) 
             }
             for cell in &mut cells {
                 let frame = cell.render(&shot, frame, plan, progress)?;
+                tally += frame.tally;
                 if first && Some(&cell.spp) == plan.spp.last() {
                     shown.push(Shown { method: cell.variant.to_string(), settings: cell.settings, frame });
                 }
@@ -96,6 +98,7 @@ pub fn run(stage: &mut dyn Stage, plan: &Plan, progress: &(dyn Fn(u64) + Sync)) 
         shown,
         oracle_ratio,
         oracle_ratio_equal_rays,
+        tally,
     })
 }
 
