@@ -117,6 +117,9 @@ pub struct Render {
     /// Go on from NAME.film, if there is one: what --checkpoint or an interrupt (Ctrl-C) have left
     #[arg(long)]
     pub resume: bool,
+    /// Show the picture while it is rendered in the viewer that listens there: tev, or what speaks its protocol (tev: 14158)
+    #[arg(long, value_name = "HOST:PORT")]
+    pub live: Option<String>,
     /// Write the film, too, as NAME.film: what `pmcip merge` takes
     #[arg(long)]
     pub film: bool,

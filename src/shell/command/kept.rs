@@ -3,6 +3,7 @@
 use super::arguments::Render;
 use super::common::{Failure, bad, blame, failed};
 use super::signals::Signals;
+use super::viewer::Viewer;
 use indicatif::ProgressBar;
 use pmcip::compare::reference::fingerprint;
 use pmcip::error::Error;
@@ -64,15 +65,18 @@ impl Kept<'_> {
         let saved = saved.map_err(|why| bad(Error::read(&checkpoint::path(self.exr), why)))?;
         let can_be_kept = settings.stands_alone();
         let mut keeper = Keeper::new(self.exr, &self.attributes, self.arguments.checkpoint);
+        let Render { live, common, .. } = self.arguments;
+        let mut viewer = Viewer::begin(live.as_deref(), self.exr, settings, common.quiet)?;
         let progress = |samples| bar.inc(samples);
         let mut go_on = |film: &Sampler<'_>| {
             if can_be_kept {
                 keeper.look(film)?;
             }
+            viewer.look(film);
             Ok(true)
         };
         let run = Run {
-            threads: self.arguments.common.threads,
+            threads: common.threads,
             interrupted: signals.caught(),
             with_film: self.arguments.film,
             saved,
@@ -85,7 +89,11 @@ impl Kept<'_> {
                 Err(signals.end(format!("interrupted: {file} has what there is, --resume goes on from it")))
             }
             Err(Error::Interrupted) => Err(signals.end("interrupted".into())),
-            done => done.map_err(blame),
+            done => {
+                let frame = done.map_err(blame)?;
+                viewer.show(&frame.rgb);
+                Ok(frame)
+            }
         }
     }
 }

@@ -19,6 +19,7 @@ mod reference;
 mod render;
 mod signals;
 mod values;
+mod viewer;
 
 use arguments::Command;
 use common::Failure;
