@@ -28,7 +28,7 @@ pub struct SkyMap {
 
 impl SkyMap {
     /// A sky of a picture of so many texels and rows, and a sun.
-    pub(super) fn new(
+    pub(in crate::scene) fn new(
         (width, height): (u32, u32),
         texels: Vec<[f32; 3]>,
         sun: Option<Sun>,
