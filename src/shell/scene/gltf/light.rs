@@ -31,7 +31,7 @@ const SUBDIVISIONS: u32 = 2;
 /// A lamp's radius as a part of the scene's size, of the distance of what is nearest, and the least of the former.
 const OF_SIZE: f64 = 1e-3;
 const OF_DISTANCE: f64 = 0.1;
-const LEAST_OF_SIZE: f64 = 1e-6;
+const LEAST_OF_SIZE: f64 = 1e-4;
 /// Half the angle under which the sun is seen, in radians.
 const SUN: f32 = 0.00465;
 /// Rows of the picture of further directional lights.
