@@ -3,6 +3,7 @@
 use crate::scene::error::Error;
 use crate::scene::source;
 use gltf::Document;
+use gltf::json::animation::Channel;
 use gltf::json::validation::{Error as Invalid, Validate};
 use gltf::json::{Path as Place, Root};
 use serde_json::Value;
@@ -175,6 +176,7 @@ fn list(value: Option<&mut Value>) -> impl Iterator<Item = &mut Value> {
 
 /// Checks what everything else relies on: that all indices lead somewhere.
 fn check_indices(root: &Root) -> Result<(), String> {
+    check_unchecked(root)?;
     let mut first = None;
     root.validate(root, Place::new, &mut |place, error| {
         let place = place();
@@ -193,4 +195,24 @@ fn check_indices(root: &Root) -> Result<(), String> {
         }
     });
     first.map_or(Ok(()), Err)
+}
+
+/// Checks indices that the crate's own check takes for granted.
+fn check_unchecked(root: &Root) -> Result<(), String> {
+    for (number, mesh) in root.meshes.iter().enumerate() {
+        let mut attributes = mesh.primitives.iter().flat_map(|primitive| primitive.attributes.values());
+        if attributes.any(|index| index.value() >= root.accessors.len()) {
+            return Err(format!("meshes[{number}]: the index of an attribute leads nowhere"));
+        }
+    }
+    for (number, animation) in root.animations.iter().enumerate() {
+        let leads = |channel: &Channel| {
+            channel.sampler.value() < animation.samplers.len()
+                && channel.target.node.value() < root.nodes.len()
+        };
+        if !animation.channels.iter().all(leads) {
+            return Err(format!("animations[{number}]: the index of a channel leads nowhere"));
+        }
+    }
+    Ok(())
 }

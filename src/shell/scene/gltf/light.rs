@@ -36,6 +36,8 @@ const LEAST_OF_SIZE: f64 = 1e-4;
 const SUN: f32 = 0.00465;
 /// Rows of the picture of further directional lights.
 const ROWS: u32 = 512;
+/// The most candela or lux that a light may have, and the most radiance that a lamp gets.
+const BRIGHTEST: f32 = 1e20;
 /// How wide the edge of a spot at least is, in radians.
 const LEAST_EDGE: f32 = 0.01;
 
@@ -75,9 +77,9 @@ impl Lights {
 
     fn add(&mut self, node: usize, light: &Light<'_>, track: ObjectTrack, notes: &mut Notes) {
         let intensity = light.color().map(|v| v.max(0.0) * light.intensity());
-        if !intensity.iter().all(|v| v.is_finite() && *v >= 0.0) {
+        if !intensity.iter().all(|v| (0.0..=BRIGHTEST).contains(v)) {
             notes.add("dark", || {
-                format!("light {}: its intensity is below 0 or no number: left out", light.index())
+                format!("light {}: its intensity is not between 0 and {BRIGHTEST:e}: left out", light.index())
             });
             return;
         }
@@ -129,7 +131,7 @@ impl Lights {
             assembly.begin(path, DVec3::ZERO);
             let sphere = sphere(radius);
             let radiance = 4.0 / sphere.iter().map(area).sum::<f32>();
-            let material = assembly.add_material(lamp(each.intensity.map(|v| v * radiance)));
+            let material = assembly.add_material(lamp(each.intensity.map(|v| (v * radiance).min(BRIGHTEST))));
             sphere.into_iter().for_each(|corners| assembly.add_with(corners, material, Extras::default()));
             if let (Some(shell), Some(black)) = (shell, black) {
                 shell.triangles(whole).into_iter().for_each(|corners| {

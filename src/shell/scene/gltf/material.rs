@@ -23,6 +23,9 @@ use pmcip_core::tracer::scene::{MIN_ROUGHNESS, Material, NO_TEXTURE, Scattering}
 /// From this part of the light on that passes, what is closed is glass.
 const MOSTLY_CLEAR: f32 = 0.5;
 
+/// The most radiance that a material gets.
+const BRIGHTEST: f32 = 1e20;
+
 /// Index of refraction where none is stated.
 const DEFAULT_INDEX: f32 = 1.5;
 
@@ -266,7 +269,7 @@ impl Converter<'_, '_> {
         let stated = self.stated;
         let strength = stated.emissive_strength().unwrap_or(1.0).max(0.0);
         let factor = stated.emissive_factor().map(|v| v.max(0.0) * strength);
-        let factor = factor.map(|v| if v.is_finite() { v } else { 0.0 });
+        let factor = factor.map(|v| v.min(BRIGHTEST));
         if factor == [0.0; 3] {
             return;
         }
