@@ -222,7 +222,7 @@ fn each_alpha_mode_is_what_it_says() {
         let material = material(&scene);
         let mask = scene.textures.get(material.opacity_texture as usize);
         let alphas = mask.map(|mask| scene.texels[mask.first as usize..][..3].iter().map(|t| t[0]).collect());
-        (material.opacity, alphas.unwrap_or(Vec::new()))
+        (material.opacity, alphas.unwrap_or_default())
     };
     assert_eq!(of("OPAQUE", None, 0.5, true), (1.0, vec![]));
     assert_eq!(of("MASK", None, 1.0, true), (1.0, vec![0.0, 0.0, 1.0]));
