@@ -25,6 +25,8 @@ pub(super) struct Use {
     pub lay: Lay,
     /// What is done to coordinates before, where that is more than scale and offset.
     pub turn: Option<Turn>,
+    /// Whether columns and rows are followed by their mirror images.
+    pub mirrored: [bool; 2],
 }
 
 /// A map of coordinates as glTF counts them.
@@ -72,6 +74,7 @@ impl<'a> Pictures<'a> {
         if sampler.mag_filter() == Some(MagFilter::Nearest) {
             notes.add("nearest", || "textures without filter are filtered all the same".into());
         }
+        let mirrored = [sampler.wrap_s(), sampler.wrap_t()].map(|wrap| wrap == WrappingMode::MirroredRepeat);
         let mut lay = Lay { clamp: clamps(sampler.wrap_s(), sampler.wrap_t(), notes), ..Lay::default() };
         let transform = info.texture_transform();
         let set = transform.as_ref().and_then(TextureTransform::tex_coord).unwrap_or(info.tex_coord());
@@ -79,11 +82,7 @@ impl<'a> Pictures<'a> {
         if let Some(transform) = transform {
             let ([ou, ov], [su, sv]) = (transform.offset(), transform.scale());
             match transform.rotation() {
-                0.0 => {
-                    lay.scale = [su, sv];
-                    // 1 − (s (1 − v) + o)
-                    lay.offset = [ou, 1.0 - sv - ov];
-                }
+                0.0 => (lay.scale, lay.offset) = ([su, sv], [ou, ov]),
                 // Counter-clockwise as it is seen, v downwards.
                 angle => {
                     let (sin, cos) = angle.sin_cos();
@@ -92,14 +91,22 @@ impl<'a> Pictures<'a> {
                 }
             }
         }
-        Some(Use { image, set, lay, turn })
+        // A picture and its mirror image beside it are twice as large.
+        for axis in (0..2).filter(|axis| mirrored[*axis]) {
+            lay.scale[axis] *= 0.5;
+            lay.offset[axis] *= 0.5;
+        }
+        // Upwards: 1 − (s (1 − v) + o).
+        lay.offset[1] = 1.0 - lay.scale[1] - lay.offset[1];
+        Some(Use { image, set, lay, turn, mirrored })
     }
 
     /// The texture of a use, or why there is none.
     pub fn load(&self, textures: &mut TextureCache, of: &Use, purpose: Purpose) -> Result<Loaded, String> {
         // No file has such a name: it would be a file in a file.
-        let name = self.path.join("image").join(of.image.to_string());
-        textures.load_as(name, purpose, of.lay, || self.decode(of.image))
+        let [columns, rows] = of.mirrored;
+        let name = self.path.join("image").join(format!("{} {columns} {rows}", of.image));
+        textures.load_as(name, purpose, of.lay, || Ok(mirrored(self.decode(of.image)?, of.mirrored)))
     }
 
     /// The mean of a picture's values: linear ones of colours, or as they are written.
@@ -133,15 +140,34 @@ impl<'a> Pictures<'a> {
 }
 
 fn clamps(s: WrappingMode, t: WrappingMode, notes: &mut Notes) -> bool {
-    if s == WrappingMode::MirroredRepeat || t == WrappingMode::MirroredRepeat {
-        notes.add("mirrored", || "textures that are repeated mirrored are repeated as they are".into());
-    }
     let clamps = s == WrappingMode::ClampToEdge;
     if clamps != (t == WrappingMode::ClampToEdge) {
         notes.add("one way", || "textures that are repeated in one direction are repeated in both".into());
         return false;
     }
     clamps
+}
+
+/// A picture followed by its mirror image in these directions.
+fn mirrored(picture: DynamicImage, [columns, rows]: [bool; 2]) -> DynamicImage {
+    let beside = |picture: DynamicImage, image: DynamicImage, (x, y): (u32, u32)| {
+        let (width, height) = (picture.width(), picture.height());
+        let mut both = DynamicImage::new(width + x * width, height + y * height, picture.color());
+        for (part, (x, y)) in [(picture, (0, 0)), (image, (x * width, y * height))] {
+            image::imageops::replace(&mut both, &part, i64::from(x), i64::from(y));
+        }
+        both
+    };
+    let mut picture = picture;
+    if columns {
+        let image = picture.fliph();
+        picture = beside(picture, image, (1, 0));
+    }
+    if rows {
+        let image = picture.flipv();
+        picture = beside(picture, image, (0, 1));
+    }
+    picture
 }
 
 fn mean(picture: DynamicImage, of_colours: bool) -> [f32; 4] {
