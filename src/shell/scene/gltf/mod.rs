@@ -6,7 +6,7 @@
 //!
 //! A file as a scene of its own is its default scene: a unit is a metre, radiance 1 is 1 cd/m², a camera's and a light's
 //! place that of its node. Frames are counted from time 0 at 24 a second. As a mesh of a scene file it is what stands in it
-//! where nothing has moved it, as one object.
+//! where nothing has moved it, as one object; what it emits is then radiance in the scene file's unit.
 //!
 //! A file whose structure does not hold (an index that leads nowhere, data that are not there, nodes in a circle, files
 //! outside its folder) is refused. What is there and cannot be honoured is named, one line a kind.
