@@ -2,7 +2,7 @@
 
 mod mutant;
 
-use mutant::{MTL, OBJ, Place};
+use mutant::{GLTF, MTL, OBJ, Place, glb};
 
 /// Bits by a linear congruence, the same in every run.
 struct Random(u64);
@@ -36,5 +36,37 @@ fn no_file_does_harm() {
         place.load(&random.mutant(OBJ), MTL, &place.picture);
         place.load(OBJ, &random.mutant(MTL), &place.picture);
         place.load(OBJ, MTL, &random.mutant(&place.picture));
+    }
+}
+
+#[test]
+fn no_gltf_file_does_harm() {
+    let (place, mut random) = (Place::new(), Random(2));
+    let binary = glb(GLTF);
+    place.load_gltf(GLTF);
+    place.load_gltf(&binary);
+    for _ in 0..200 {
+        place.load_gltf(&random.mutant(GLTF));
+        place.load_gltf(&random.mutant(&binary));
+    }
+}
+
+/// Every number of a glTF file, changed to one that is hardly meant; all ten have been tried once.
+#[test]
+fn no_number_of_a_gltf_file_does_harm() {
+    const NUMBERS: [&str; 10] =
+        ["0", "1", "3", "255", "5120", "4294967295", "18446744073709551615", "1e38", "-1", "1e400"];
+    let (place, mut random) = (Place::new(), Random(3));
+    let text = std::str::from_utf8(GLTF).unwrap();
+    let mut start = 0;
+    while let Some(at) = text[start..].find(|c: char| c.is_ascii_digit()).map(|at| start + at) {
+        let is_digit = |c: char| c.is_ascii_digit() || c == '.';
+        let end = text[at..].find(|c| !is_digit(c)).map_or(text.len(), |length| at + length);
+        start = end;
+        // Numbers in names and in the buffer are none.
+        if text[..at].ends_with([':', ',', ' ', '\n', '-']) {
+            let number = NUMBERS[random.below(NUMBERS.len())];
+            place.load_gltf([&text[..at], number, &text[end..]].concat().as_bytes());
+        }
     }
 }

@@ -1,5 +1,5 @@
 //! Mesh, material and picture files of any bytes: loading them must end, without a panic, in an error of one line or in a
-//! scene that the core accepts. Shared with the fuzz targets `obj`, `mtl` and `texture`.
+//! scene that the core accepts. Shared with the fuzz targets `obj`, `mtl`, `texture` and `gltf`.
 
 use pmcip::scene::{Animation, LightChoice, Options};
 use pmcip_core::tracer::scene::Scene;
@@ -14,6 +14,15 @@ pub const OBJ: &[u8] =
 /// Statements of all kinds.
 pub const MTL: &[u8] = b"newmtl m\nKd .5 .5 .5\nKs .1\nNs 20\nd .5\nTr .5\nTf 1 1 1\nNi 1.5\nillum 4\nmap_Kd -s 2 2 2 -clamp on t.png\n\
     map_d t.png -bm 1\nmap_Bump b.png\nnewmtl n\nKe 1 2 3\nmap_Ke -o 1 t.png\nPr .5\nPm 1\n";
+
+/// Nodes, meshes, materials, lights, animations of all kinds, the buffer within.
+pub const GLTF: &[u8] = include_bytes!("scene.gltf");
+
+/// The same as binary glTF, the buffer still within its JSON.
+pub fn glb(text: &[u8]) -> Vec<u8> {
+    let word = |n: usize| (n as u32).to_le_bytes();
+    [b"glTF".as_slice(), &word(2), &word(20 + text.len()), &word(text.len()), b"JSON", text].concat()
+}
 
 /// Where files stand while they are loaded.
 pub struct Place {
@@ -30,7 +39,20 @@ impl Place {
 
     /// Loads these files in both ways.
     pub fn load(&self, obj: &[u8], mtl: &[u8], picture: &[u8]) {
-        load(self.folder.path(), obj, mtl, picture);
+        let files = [("s.obj", obj), ("s.mtl", mtl), ("t.png", picture)];
+        load(self.folder.path(), &files, |_| ());
+    }
+
+    /// Loads a glTF file in both ways, and goes through frames of it.
+    pub fn load_gltf(&self, bytes: &[u8]) {
+        load(self.folder.path(), &[("s.gltf", bytes)], |animation| {
+            for frame in [0, 7, 1 << 20] {
+                match animation.seek(frame) {
+                    Ok(_) => assert_eq!(Scene::new(animation.scene().data()).err(), None),
+                    Err(error) => return assert!(!error.to_string().contains('\n'), "{error}"),
+                }
+            }
+        });
     }
 }
 
@@ -44,14 +66,17 @@ fn picture() -> Vec<u8> {
     bytes.into_inner()
 }
 
-fn load(folder: &Path, obj: &[u8], mtl: &[u8], picture: &[u8]) {
-    for (name, bytes) in [("s.obj", obj), ("s.mtl", mtl), ("t.png", picture)] {
+fn load(folder: &Path, files: &[(&str, &[u8])], go_on: impl Fn(&mut Animation)) {
+    for (name, bytes) in files {
         fs::write(folder.join(name), bytes).expect("the folder can be written");
     }
     for (strict, light) in [(false, LightChoice::Auto), (true, LightChoice::Own)] {
         let options = Options { strict, light, ..Options::default() };
-        match Animation::open(&folder.join("s.obj"), &options) {
-            Ok(animation) => assert_eq!(Scene::new(animation.scene().data()).err(), None),
+        match Animation::open(&folder.join(files[0].0), &options) {
+            Ok(mut animation) => {
+                assert_eq!(Scene::new(animation.scene().data()).err(), None);
+                go_on(&mut animation);
+            }
             Err(error) => assert!(!error.to_string().contains('\n'), "{error}"),
         }
     }

@@ -1,10 +1,11 @@
-//! All charts in one square of texels, and what each texel shows.
+//! All charts in one square of texels, or surfaces by their second texture coordinates, and what each texel shows.
 //!
 //! Every texel that a triangle touches belongs to its chart, so that no filter finds a black one at a border; around charts
 //! there is [`GUTTER`], so that none finds another chart's.
 
 use super::charts::{Chart, charts};
 use super::raster::{Flat, nearest, touched};
+use super::second;
 use crate::error::Error;
 use crate::scene::{LoadedScene, MAX_SIZE};
 use glam::Vec3;
@@ -19,9 +20,11 @@ pub const GUTTER: u32 = 2;
 /// Most charts, that labels can tell apart.
 const MOST_CHARTS: usize = u16::MAX as usize;
 /// Smallest side of an atlas that is as large as it has to be.
-const LEAST_SIZE: u32 = 64;
+pub(super) const LEAST_SIZE: u32 = 64;
 /// Halvings of the interval in which the finest texels that fit are looked for.
 const HALVINGS: usize = 12;
+/// One texel of so many may show two places where texture coordinates are the scene's own.
+const TOLERATED: usize = 1000;
 /// How often charts that lie on themselves are divided.
 const DIVISIONS: usize = 16;
 
@@ -86,33 +89,68 @@ impl<'a> Atlas<'a> {
             return Err(Error::Setting(reason));
         }
         let (size, density, corners) = lay_out(charts, fineness)?;
-        let texels = size as usize * size as usize;
-        let mut atlas = Atlas {
-            scene,
-            size,
-            density,
-            labels: vec![0; texels],
-            corners: vec![None; scene.triangles.len()],
-            shown: vec![0; texels],
-            axes: charts.iter().map(|chart| chart.axes[0].cross(chart.axes[1])).collect(),
-        };
-        let mut distances = vec![f32::INFINITY; texels];
+        let axes = charts.iter().map(|chart| chart.axes[0].cross(chart.axes[1])).collect();
+        let mut atlas = Atlas::empty(scene, size, density, axes);
+        let mut distances = vec![f32::INFINITY; atlas.labels.len()];
         let charts = charts.iter().zip(corners).enumerate();
         let folded = charts.filter_map(|(i, (chart, corner))| {
-            atlas.draw((i + 1) as u16, chart, corner, &mut distances).then_some(i)
+            let flat = |triangle: u32| {
+                scene.triangles[triangle as usize].corners.map(|point| {
+                    let at = chart.flat(point);
+                    [0, 1].map(|k| corner[k] + at[k] * density)
+                })
+            };
+            (atlas.draw((i + 1) as u16, &chart.triangles, flat, &mut distances) > 0).then_some(i)
         });
         let folded = folded.collect();
         Ok((atlas, folded))
     }
 
-    /// Draws a chart whose corner lies at `corner`; true if it lies on itself.
-    fn draw(&mut self, label: u16, chart: &Chart, corner: [f32; 2], distances: &mut [f32]) -> bool {
-        let mut folded = false;
-        for &i in &chart.triangles {
-            let flat = self.scene.triangles[i as usize].corners.map(|point| {
-                let at = chart.flat(point);
-                [0, 1].map(|k| corner[k] + at[k] * self.density)
-            });
+    /// An atlas of nothing, for pieces that are seen along `axes`.
+    fn empty(scene: &'a LoadedScene, size: u32, density: f32, axes: Vec<Vec3>) -> Self {
+        let texels = size as usize * size as usize;
+        let (labels, shown) = (vec![0; texels], vec![0; texels]);
+        Atlas { scene, size, density, labels, corners: vec![None; scene.triangles.len()], shown, axes }
+    }
+
+    /// Lays out a scene's surfaces by their second texture coordinates.
+    ///
+    /// # Errors
+    /// Why they cannot be used: some surface has none, or they leave the square from 0 to 1, lie on one another, or are not as
+    /// fine as asked for.
+    pub fn by_second_set(scene: &'a LoadedScene, fineness: Fineness) -> Result<Atlas<'a>, String> {
+        let islands = second::islands(scene)?;
+        if islands.len() > MOST_CHARTS {
+            return Err(format!(
+                "they fall into {} pieces, at most {MOST_CHARTS} can be baked",
+                islands.len()
+            ));
+        }
+        let (size, density) = second::size(scene, &islands, fineness)?;
+        let axes = islands.iter().map(|island| second::axis(scene, island)).collect();
+        let mut atlas = Atlas::empty(scene, size, density, axes);
+        let mut distances = vec![f32::INFINITY; atlas.labels.len()];
+        let flat = |triangle: u32| second::flat(scene, triangle, size as f32);
+        let islands = (1..).zip(&islands);
+        let twice: usize =
+            islands.map(|(label, island)| atlas.draw(label, island, flat, &mut distances)).sum();
+        match twice * TOLERATED > atlas.used() {
+            true => Err(format!("{twice} of {} texels show two places", atlas.used())),
+            false => Ok(atlas),
+        }
+    }
+
+    /// Draws triangles that lie where `flat` says; returns how many texels show two places.
+    fn draw(
+        &mut self,
+        label: u16,
+        triangles: &[u32],
+        flat: impl Fn(u32) -> Flat,
+        distances: &mut [f32],
+    ) -> usize {
+        let mut folded = 0;
+        for &i in triangles {
+            let flat = flat(i);
             self.corners[i as usize] = Some(flat);
             touched(&flat, self.size, |x, y| {
                 let texel = y as usize * self.size as usize + x as usize;
@@ -121,7 +159,7 @@ impl<'a> Atlas<'a> {
                 if distance == 0.0 && distances[texel] == 0.0 {
                     // Both hold the centre: neighbours that share the edge there, or two layers.
                     let apart = self.point(i, centre).0.distance(self.point(self.shown[texel], centre).0);
-                    folded |= apart * self.density > 1.0;
+                    folded += usize::from(apart * self.density > 1.0);
                 }
                 if distance < distances[texel] {
                     (distances[texel], self.shown[texel], self.labels[texel]) = (distance, i, label);

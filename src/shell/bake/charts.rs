@@ -80,7 +80,7 @@ pub fn charts(scene: &LoadedScene) -> Vec<Chart> {
 }
 
 /// The normal of a triangle that has an irradiance.
-fn normal(scene: &LoadedScene, i: usize) -> Option<Vec3> {
+pub(super) fn normal(scene: &LoadedScene, i: usize) -> Option<Vec3> {
     let material = &scene.materials[scene.surfaces[i].material as usize];
     let [a, b, c] = scene.triangles[i].corners.map(Vec3::from);
     (material.scattering == Scattering::Rough).then(|| (b - a).cross(c - a).try_normalize()).flatten()

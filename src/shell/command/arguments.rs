@@ -55,9 +55,9 @@ pub enum Command {
     Farm(Farm),
     /// Bake the light that falls on a scene's surfaces into a lightmap
     ///
-    /// Surfaces are laid out anew, whatever texture coordinates they have: beside LIGHTMAP.exr (irradiance, `mask`, `count`)
-    /// and its PNG stands LIGHTMAP.obj, whose texture coordinates belong to it. Only fronts are baked, and nothing that mirrors or
-    /// refracts.
+    /// Surfaces are laid out anew, unless a glTF file's second texture coordinates can be used: inside 0 to 1, no two places on
+    /// one another. Beside LIGHTMAP.exr (irradiance, `mask`, `count`) and its PNG stands LIGHTMAP.obj, whose texture coordinates
+    /// belong to it. Only fronts are baked, and nothing that mirrors or refracts.
     #[command(verbatim_doc_comment)]
     Bake(Bake),
     /// Render a reference: uniform samples, EXR only, with the variance of every pixel
@@ -222,7 +222,7 @@ pub struct Farm {
 /// Arguments of `bake`.
 #[derive(Debug, Args)]
 pub struct Bake {
-    /// Scene file (.toml) or bare .obj
+    /// Scene file (.toml), or a bare .obj, .gltf or .glb
     pub scene: PathBuf,
     /// EXR file to write, with a PNG and an OBJ beside it
     #[arg(short, long, value_name = "LIGHTMAP.exr", value_parser = exr_path)]
@@ -284,7 +284,7 @@ pub struct Reference {
 /// Arguments that every render takes.
 #[derive(Debug, Args)]
 pub struct Common {
-    /// Scene file (.toml) or bare .obj
+    /// Scene file (.toml), or a bare .obj, .gltf or .glb
     pub scene: PathBuf,
     /// How light is followed
     #[arg(long, value_enum, default_value = "path")]
@@ -398,7 +398,7 @@ pub struct Measure {
 /// Arguments of `info`.
 #[derive(Debug, Args)]
 pub struct Info {
-    /// Scene file (.toml) or bare .obj
+    /// Scene file (.toml), or a bare .obj, .gltf or .glb
     pub scene: PathBuf,
     /// Refuse mesh and material files with lines that mean nothing, instead of leaving these out
     #[arg(long)]

@@ -48,7 +48,7 @@ pub fn bake_lightmap(arguments: &Bake) -> Result<(), Failure> {
     let mut files = vec![exr.clone(), png.clone(), obj.clone()];
     files.extend(arguments.check.then(|| check_png.clone()));
     files.iter().try_for_each(|path| output::check(path)).map_err(bad)?;
-    let atlas = Atlas::new(&scene, fineness(arguments)).map_err(blame)?;
+    let atlas = atlas(arguments, &scene)?;
     let settings = settings(arguments, &scene, Some((atlas.size, atlas.size)));
     let lightmap = work(arguments, &scene, &atlas, &settings)?;
     let picture = lightmap.picture(&scene, &settings);
@@ -80,6 +80,21 @@ pub fn bake_lightmap(arguments: &Bake) -> Result<(), Failure> {
         (false, true) => {}
     }
     admit(arguments.quiet, lightmap.tally)
+}
+
+/// By the scene's second texture coordinates, if it has any that are of use.
+fn atlas<'a>(arguments: &Bake, scene: &'a LoadedScene) -> Result<Atlas<'a>, Failure> {
+    if !scene.second_uvs.is_empty() {
+        match Atlas::by_second_set(scene, fineness(arguments)) {
+            Ok(atlas) => return Ok(atlas),
+            Err(why) if !arguments.quiet => {
+                let name = scene.path.display();
+                eprintln!("warning: {name}: second texture coordinates are not used: {why}");
+            }
+            Err(_) => {}
+        }
+    }
+    Atlas::new(scene, fineness(arguments)).map_err(blame)
 }
 
 fn fineness(arguments: &Bake) -> Fineness {

@@ -34,7 +34,7 @@ pub fn failed(reason: impl ToString) -> Failure {
 const REJECTABLE: f64 = 0.01;
 
 /// Loads a scene that can be rendered, and passes on what the loader noticed. One that its own light leaves in the dark, at
-/// an exposure that is the scene's where none is given, gets a light of last resort, if it is an OBJ and may have one.
+/// an exposure that is the scene's where none is given, gets a light of last resort, if it is no scene file and may have one.
 pub fn load(common: &Common, exposure: Option<f32>) -> Result<Animation, Failure> {
     let mut options = Options { strict: common.strict, light: common.light, eye: eye(common) };
     if let Some(file) = &common.sky {

@@ -174,7 +174,7 @@ impl Animation {
         let scene = &mut self.scene;
         (scene.nodes, scene.leaves, scene.triangles) = (geometry.nodes, geometry.leaves, geometry.triangles);
         (scene.surfaces, scene.objects) = (geometry.surfaces, geometry.objects);
-        scene.colours = geometry.colours;
+        (scene.colours, scene.second_uvs) = (geometry.colours, geometry.second);
         scene.placements = placements;
         geometry.warnings.into_iter().for_each(|warning| scene.warn(warning));
         Ok(())

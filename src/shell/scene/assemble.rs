@@ -2,8 +2,8 @@
 
 use super::animation::Animation;
 use super::error::Error;
-use super::model::{LoadedScene, View};
-use super::object::{Corner, Object, Piece};
+use super::model::{Kind, LoadedScene, View};
+use super::object::{Corner, Extras, NO_UVS, Object, Piece};
 use super::options::{LightChoice, Options};
 use super::place::Placement;
 use super::pose::{self, Geometry};
@@ -100,6 +100,7 @@ impl Assembly {
             home,
             pieces: Vec::new(),
             colours: Vec::new(),
+            second: Vec::new(),
         });
     }
 
@@ -110,13 +111,40 @@ impl Assembly {
 
     /// Adds a triangle whose corners may have linear colours.
     pub fn add_coloured(&mut self, corners: [Corner; 3], material: u32, colours: Option<[[f32; 3]; 3]>) {
+        self.add_with(corners, material, Extras { colours, ..Extras::default() });
+    }
+
+    /// Adds a triangle whose corners may have more than a position, a normal and texture coordinates.
+    pub fn add_with(&mut self, corners: [Corner; 3], material: u32, extras: Extras) {
         let material = self.glowing(material, &corners);
         let Some(object) = self.objects.last_mut() else { return };
-        if let Some(colours) = colours {
+        if let Some(colours) = extras.colours {
             object.colours.resize(object.pieces.len(), [[1.0; 3]; 3]);
             object.colours.push(colours);
         }
+        if let Some(second) = extras.second {
+            object.second.resize(object.pieces.len(), NO_UVS);
+            object.second.push(second);
+        }
         object.pieces.push(Piece { corners, material });
+    }
+
+    /// How large all objects are together where these placements put them, and how far each point is from the nearest
+    /// triangle; infinitely where there is none.
+    pub fn clearances(&self, placements: &[Placement], points: &[DVec3]) -> (f64, Vec<f64>) {
+        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        let mut nearest = vec![f64::INFINITY; points.len()];
+        for (object, placement) in self.objects.iter().zip(placements) {
+            let placement = placement.seated(object.home, DVec3::ZERO);
+            for piece in &object.pieces {
+                let corners = piece.corners.map(|corner| placement.exact(corner.position));
+                corners.into_iter().for_each(|corner| (low, high) = (low.min(corner), high.max(corner)));
+                for (nearest, point) in nearest.iter_mut().zip(points) {
+                    *nearest = nearest.min(shapes::distance(*point, corners));
+                }
+            }
+        }
+        ((high - low).max_element().max(0.0), nearest)
     }
 
     /// The material itself, or if a texture shines in it, one that knows how much of that is on this triangle.
@@ -163,7 +191,10 @@ impl Assembly {
             let indoors = sky.is_some() || lamp::is_indoors(&eye, &geometry);
             if is_dark {
                 let light = if indoors { "a lamp by the camera" } else { "a soft sky and a key light" };
-                let why = "no light: no material has an emission (Ke)";
+                let why = match Kind::of(path) {
+                    Kind::Gltf => "no light: it has none, and no material an emission",
+                    _ => "no light: no material has an emission (Ke)",
+                };
                 self.warn(format!("{}: {why}; {light} instead (--light own: without)", path.display()));
             }
             if indoors {
@@ -187,6 +218,7 @@ impl Assembly {
             triangles: geometry.triangles,
             surfaces: geometry.surfaces,
             colours: geometry.colours,
+            second_uvs: geometry.second,
             objects: geometry.objects,
             placements,
             materials: self.materials,

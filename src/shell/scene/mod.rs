@@ -1,4 +1,4 @@
-//! Scenes from disk: a scene file (TOML) or a bare OBJ becomes the arrays that the core borrows.
+//! Scenes from disk: a scene file (TOML), a bare OBJ or a glTF file becomes the arrays that the core borrows.
 //!
 //! [`load`] reads everything, reports what it had to guess in [`LoadedScene::warnings`], and refuses what it
 //! cannot understand with one line that names the file and the line. Lengths are scene units, colours linear
@@ -6,6 +6,19 @@
 //!
 //! An OBJ is framed as a whole, seen along −z. [`load_lit`] lights one whose materials do not shine by a [soft sky and a
 //! key light](SkyMap::soft) of the camera, in a room by a lamp that is inside as the eye is.
+//!
+//! A glTF file brings its own camera, lights and animation, if it has any; else it is as an OBJ. Radiance 1 is 1 cd/m² there:
+//!
+//! | glTF | here |
+//! | --- | --- |
+//! | base colour b, `metallicFactor` m, `roughnessFactor` r, index n | diffuse b (1 − m) (1 − F), GGX lobe F (1 − m) + b m of width r², F = ((n − 1) / (n + 1))² |
+//! | their textures | diffuse part, emission, alpha; means for lobes |
+//! | `alphaMode` | `MASK`: cut-out; `BLEND`: partial coverage |
+//! | `KHR_materials_transmission` | with a volume or on closed meshes smooth glass tinted by b, else thin: partly there |
+//! | point and spot light, I cd | sphere of a thousandth of the scene's size or less, 4 I / its area; a spot in a black shell with a hole |
+//! | directional light, E lux | disc in the sky of 0.53°, E / its solid angle; the eye does not see it |
+//! | animations | all at once from frame 0 on, 24 frames a second; those that move what an earlier one moves are left out |
+//! | `TEXCOORD_1` | where a lightmap is baked to |
 //!
 //! What is far from the origin (geo-referenced models) is read in double precision and moved to its own centre:
 //! everything in a [`LoadedScene`] is relative to its `origin`.
@@ -34,7 +47,7 @@
 //! focus = 4.0                 # distance along the view at which it is sharp; that of `at` if nothing is said
 //!
 //! [[meshes]]
-//! file = "room.obj"           # relative to the scene file
+//! file = "room.obj"           # or .gltf, .glb; relative to the scene file
 //! scale = 2.0                 # or one factor an axis; applied first
 //! rotate = [0, 30, 0]         # then about the fixed x, y and z axis, in this order
 //! translate = [1, 0, 0]       # last
@@ -116,18 +129,22 @@
 mod animation;
 mod assemble;
 pub mod bvh;
+mod channel;
 mod error;
 mod facing;
 mod file;
+mod gltf;
 mod home;
 mod lamp;
 mod load;
 mod model;
+mod notes;
 mod obj;
 mod object;
 mod options;
 mod place;
 mod pose;
+mod rig;
 mod script;
 mod shapes;
 mod sky;

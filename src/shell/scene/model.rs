@@ -42,6 +42,9 @@ pub struct LoadedScene {
     pub surfaces: Vec<Surface>,
     /// Linear colours of the corners of each triangle; empty if there are none.
     pub colours: Vec<[[f32; 3]; 3]>,
+    /// Second texture coordinates of the corners of each triangle, `v` upwards, NaN where there are none; empty if no
+    /// triangle has any.
+    pub second_uvs: Vec<[[f32; 2]; 3]>,
     /// The object of each triangle: meshes, then spheres, then lights, in the order of the scene file.
     pub objects: Vec<u32>,
     /// Where each object stands.
@@ -108,9 +111,9 @@ impl LoadedScene {
         }
     }
 
-    /// Whether it is an OBJ as a scene of its own.
+    /// Whether it is an OBJ or a glTF file as a scene of its own.
     pub fn is_bare(&self) -> bool {
-        is_obj(&self.path)
+        Kind::of(&self.path) != Kind::Other
     }
 
     /// Makes sure that something shines, before time is spent on a black image.
@@ -121,10 +124,10 @@ impl LoadedScene {
         if !self.lights.is_empty() || self.sky.is_some() {
             return Ok(());
         }
-        let remedy = if is_obj(&self.path) {
-            "give a material in the MTL file an emission (Ke)"
-        } else {
-            "add [[lights]], a [sky] or a material with emission"
+        let remedy = match Kind::of(&self.path) {
+            Kind::Obj => "give a material in the MTL file an emission (Ke)",
+            Kind::Gltf => "give a material an emissiveFactor, or a node a light (KHR_lights_punctual)",
+            Kind::Other => "add [[lights]], a [sky] or a material with emission",
         };
         Err(Error::in_file(&self.path, format!("no light: {remedy}")))
     }
@@ -141,7 +144,25 @@ pub struct Frames {
     pub fps: f32,
 }
 
-/// Whether a file is an OBJ, by its name.
-pub(super) fn is_obj(path: &Path) -> bool {
-    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("obj"))
+/// What a file is, by its name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// An OBJ.
+    Obj,
+    /// glTF, as text or binary.
+    Gltf,
+    /// Something else: a scene file.
+    Other,
+}
+
+impl Kind {
+    /// The kind of the file of this name.
+    pub fn of(path: &Path) -> Kind {
+        let ends = |with: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(with));
+        match () {
+            _ if ends("obj") => Kind::Obj,
+            _ if ends("gltf") || ends("glb") => Kind::Gltf,
+            _ => Kind::Other,
+        }
+    }
 }

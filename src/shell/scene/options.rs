@@ -6,7 +6,7 @@ use glam::DVec3;
 /// What lights a scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
 pub enum LightChoice {
-    /// Its own; an OBJ that has none, or that it leaves in the dark, gets a soft sky and a key light, in a room a lamp
+    /// Its own; an OBJ or glTF file that has none, or that it leaves in the dark, gets a soft sky and a key light, in a room a lamp
     #[default]
     Auto,
     /// Its own alone

@@ -1,6 +1,6 @@
 //! Where an object stands: scale, then rotation, then translation.
 
-use glam::{DMat3, DVec3, Mat3, Quat, Vec3};
+use glam::{DAffine3, DMat3, DVec3, Mat3, Quat, Vec3};
 
 /// An affine map of an object's own positions and normals into the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,6 +29,17 @@ impl Placement {
             translation,
             mirrored: scale.x * scale.y * scale.z < 0.0,
         }
+    }
+
+    /// The affine map itself, which may flatten.
+    pub(super) fn affine(map: DAffine3) -> Placement {
+        let linear = map.matrix3.as_mat3();
+        let [x, y, z] = [linear.x_axis, linear.y_axis, linear.z_axis];
+        // Cofactors are the inverse transpose times the determinant, and there are some where that is 0.
+        let cofactors = Mat3::from_cols(y.cross(z), z.cross(x), x.cross(y));
+        let mirrored = x.dot(y.cross(z)) < 0.0;
+        let normals = if mirrored { -cofactors } else { cofactors };
+        Placement { linear, normals, translation: map.translation, mirrored }
     }
 
     /// Makes the unit sphere one of this centre and radius.

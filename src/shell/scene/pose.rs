@@ -1,10 +1,12 @@
 //! Puts the triangles of all objects where a frame wants them, and builds the hierarchy over them.
 
 use super::bvh;
-use super::object::{Corner, Object, Piece};
+use super::object::{Corner, NO_UVS, Object, Piece};
 use super::place::Placement;
 use glam::Vec3;
 use pmcip_core::tracer::scene::{Leaf8, Node8, Surface, Triangle};
+use std::collections::BTreeMap;
+use std::path::Path;
 
 /// The height of a triangle over its longest edge below which it is a line to `f32` arithmetic.
 const DEGENERATE_HEIGHT: f64 = 1e-6;
@@ -21,6 +23,8 @@ pub(super) struct Geometry {
     pub surfaces: Vec<Surface>,
     /// Colours of the corners of each triangle; empty if no object has any.
     pub colours: Vec<[[f32; 3]; 3]>,
+    /// Second texture coordinates, as those of [`Object`].
+    pub second: Vec<[[f32; 2]; 3]>,
     /// The object of each triangle.
     pub objects: Vec<u32>,
     /// The box around all triangles.
@@ -28,7 +32,7 @@ pub(super) struct Geometry {
     pub warnings: Vec<String>,
 }
 
-/// What was odd about the triangles of one object.
+/// What was odd about the triangles of one file.
 #[derive(Debug, Default)]
 struct Oddities {
     degenerate: usize,
@@ -52,15 +56,24 @@ pub(super) fn pose(objects: &[Object], placements: &[Placement]) -> Result<Geome
 pub(super) fn place(objects: &[Object], placements: &[Placement]) -> Result<Geometry, &'static str> {
     let mut geometry = Geometry::default();
     let coloured = objects.iter().any(|object| !object.colours.is_empty());
+    let twice = objects.iter().any(|object| !object.second.is_empty());
+    let mut odd: BTreeMap<&Path, Oddities> = BTreeMap::new();
     for (number, (object, placement)) in objects.iter().zip(placements).enumerate() {
-        let mut odd = Oddities::default();
+        let odd = odd.entry(&object.source).or_default();
         for (i, piece) in object.pieces.iter().enumerate() {
-            if geometry.add(piece, placement, number as u32, &mut odd) && coloured {
-                geometry.colours.push(object.colours.get(i).copied().unwrap_or([[1.0; 3]; 3]));
+            if !geometry.add(piece, placement, number as u32, odd) {
+                continue;
+            }
+            if coloured {
+                let colours = object.colours.get(i).copied().unwrap_or([[1.0; 3]; 3]);
+                geometry.colours.push(turned(colours, placement));
+            }
+            if twice {
+                geometry.second.push(turned(object.second.get(i).copied().unwrap_or(NO_UVS), placement));
             }
         }
-        geometry.warn(object, odd);
     }
+    odd.into_iter().for_each(|(source, odd)| geometry.warn(source, odd));
     if geometry.triangles.is_empty() {
         return Err("the scene is empty: no triangle has an area");
     }
@@ -74,14 +87,12 @@ pub(super) fn place(objects: &[Object], placements: &[Placement]) -> Result<Geom
 impl Geometry {
     /// Adds a triangle, or counts it if it has no area; whether it has added it.
     fn add(&mut self, piece: &Piece, placement: &Placement, object: u32, odd: &mut Oddities) -> bool {
-        let mut placed = piece.corners.map(|c| Corner {
+        let placed = piece.corners.map(|c| Corner {
             position: placement.position(c.position),
             normal: placement.normal(c.normal).normalize_or_zero(),
             uv: c.uv,
         });
-        if placement.is_mirrored() {
-            placed.swap(1, 2);
-        }
+        let placed = turned(placed, placement);
         let positions = placed.map(|c| c.position);
         let Some(front) = front_of(positions) else {
             odd.degenerate += 1;
@@ -98,9 +109,9 @@ impl Geometry {
         true
     }
 
-    /// Reports what was odd about an object.
-    fn warn(&mut self, object: &Object, odd: Oddities) {
-        let name = object.source.display();
+    /// Reports what was odd about the objects of a file.
+    fn warn(&mut self, source: &Path, odd: Oddities) {
+        let name = source.display();
         if odd.degenerate > 0 {
             self.warnings.push(format!("{name}: {} triangles without area left out", odd.degenerate));
         }
@@ -119,9 +130,20 @@ impl Geometry {
         if !self.colours.is_empty() {
             self.colours = bvh.order.iter().map(|&i| self.colours[i as usize]).collect();
         }
+        if !self.second.is_empty() {
+            self.second = bvh.order.iter().map(|&i| self.second[i as usize]).collect();
+        }
         self.objects = bvh.order.iter().map(|&i| self.objects[i as usize]).collect();
         (self.nodes, self.leaves) = (bvh.nodes, bvh.leaves);
     }
+}
+
+/// What belongs to corners, in the order that makes them counter-clockwise where they are placed.
+fn turned<T>(mut of_corners: [T; 3], placement: &Placement) -> [T; 3] {
+    if placement.is_mirrored() {
+        of_corners.swap(1, 2);
+    }
+    of_corners
 }
 
 /// The box around all triangles.

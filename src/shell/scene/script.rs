@@ -2,14 +2,16 @@
 
 use super::model::{Frames, View};
 use super::place::Placement;
+use super::rig::Rig;
 use super::track::{Track, Turn};
 use glam::DVec3;
+use std::sync::Arc;
 
 /// What a scene does over time.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Script {
     pub frames: Option<Frames>,
-    pub camera: Option<CameraTrack>,
+    pub camera: Option<CameraPath>,
     /// One for each object.
     pub paths: Vec<ObjectTrack>,
     /// One for each material that can change.
@@ -41,6 +43,38 @@ impl Script {
 }
 
 /// A camera over time.
+#[derive(Clone, Debug)]
+pub(super) enum CameraPath {
+    /// By keys of its own.
+    Keys(CameraTrack),
+    /// Along −z of a node, its vertical field of view in degrees, and how far it looks.
+    Node { rig: Arc<Rig>, node: usize, fov: f32, distance: f64 },
+}
+
+impl CameraPath {
+    /// The camera at a time, in frames, in a scene whose coordinates begin at `origin`.
+    ///
+    /// # Errors
+    /// If it looks nowhere.
+    pub fn at(&self, frame: f64, origin: DVec3) -> Result<View, &'static str> {
+        match self {
+            CameraPath::Keys(track) => track.at(frame, origin),
+            CameraPath::Node { rig, node, fov, distance } => {
+                let map = rig.at(*node, frame);
+                let axis = |axis: DVec3| axis.try_normalize().ok_or("camera: its node is flat");
+                let (back, up) = (axis(map.matrix3.z_axis)?, axis(map.matrix3.y_axis)?);
+                if back.cross(up).length() < 1e-5 {
+                    return Err("camera: its node is flat");
+                }
+                let from = map.translation - origin;
+                let [from, at, up] = [from, from - *distance * back, up].map(|v| v.as_vec3().to_array());
+                Ok(View { from, at, up, fov: *fov, aperture: 0.0, focus: None })
+            }
+        }
+    }
+}
+
+/// A camera that follows keys.
 #[derive(Clone, Debug)]
 pub(super) struct CameraTrack {
     pub from: Track<3>,
@@ -76,9 +110,29 @@ impl CameraTrack {
 #[derive(Clone, Debug)]
 pub(super) enum ObjectTrack {
     Still,
-    Mesh { scale: Track<3>, rotate: Turn, translate: Track<3> },
-    Sphere { center: Track<3>, radius: Track<1> },
-    Light { center: Track<3>, edge_u: Track<3>, edge_v: Track<3> },
+    Mesh {
+        scale: Track<3>,
+        rotate: Turn,
+        translate: Track<3>,
+    },
+    Sphere {
+        center: Track<3>,
+        radius: Track<1>,
+    },
+    Light {
+        center: Track<3>,
+        edge_u: Track<3>,
+        edge_v: Track<3>,
+    },
+    Node {
+        rig: Arc<Rig>,
+        node: usize,
+    },
+    /// At a node and turned as it is, of its own size.
+    Rigid {
+        rig: Arc<Rig>,
+        node: usize,
+    },
 }
 
 impl ObjectTrack {
@@ -104,6 +158,8 @@ impl ObjectTrack {
                 }
                 Placement::rectangle(point(center), u, v)
             }
+            ObjectTrack::Node { rig, node } => Placement::affine(rig.at(*node, f64::from(frame))),
+            ObjectTrack::Rigid { rig, node } => Placement::affine(rig.rigid(*node, f64::from(frame))),
         })
     }
 }

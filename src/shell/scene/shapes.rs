@@ -1,7 +1,7 @@
 //! Shapes the scene file knows by name, as triangles: sphere and square.
 
 use super::object::Corner;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 /// The unit sphere as an icosahedron whose triangles are split in four `subdivisions` times, with the sphere's normals.
 pub(super) fn sphere(subdivisions: u32) -> Vec<[Corner; 3]> {
@@ -43,4 +43,20 @@ fn icosahedron() -> Vec<[Vec3; 3]> {
             [[Vec3::Y, u, u2], [u, l, u2], [u2, l, l2], [Vec3::NEG_Y, l2, l]]
         })
         .collect()
+}
+
+/// How far a point is from the nearest one of a triangle.
+pub(super) fn distance(point: DVec3, corners: [DVec3; 3]) -> f64 {
+    let edge = |i: usize| (corners[i], corners[(i + 1) % 3] - corners[i]);
+    let to_edge = |i: usize| {
+        let (start, along) = edge(i);
+        let part = (point - start).dot(along) / along.length_squared().max(f64::MIN_POSITIVE);
+        point.distance(start + part.clamp(0.0, 1.0) * along)
+    };
+    let normal = edge(0).1.cross(edge(1).1).normalize_or_zero();
+    let inside = (0..3).all(|i| edge(i).1.cross(point - edge(i).0).dot(normal) >= 0.0);
+    match inside && normal != DVec3::ZERO {
+        true => (point - corners[0]).dot(normal).abs(),
+        false => (0..3).map(to_edge).fold(f64::INFINITY, f64::min),
+    }
 }

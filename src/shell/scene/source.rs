@@ -34,7 +34,7 @@ const BEGINNINGS: [(&[u8], &str); 26] = [
     (b"BZh", "a bzip2 archive: unpack it first"),
     (b"Rar!", "a RAR archive: unpack it first"),
     (b"ply", "a PLY mesh"),
-    (b"glTF", "a binary glTF (.glb)"),
+    (b"glTF", "a binary glTF: its name should end in .glb"),
     (b"Kaydara FBX", "an FBX scene"),
     (b"; FBX", "an FBX scene"),
     (b"BLENDER", "a Blender scene"),
@@ -50,7 +50,7 @@ const BEGINNINGS: [(&[u8], &str); 26] = [
     (b"<html", "a web page (HTML), perhaps of a failed download"),
     (b"<scene", "an XML scene"),
     (b"<", "an XML document"),
-    (b"{", "JSON, perhaps glTF"),
+    (b"{", "JSON; if it is glTF, its name should end in .gltf"),
 ];
 
 /// What a file seems to be that is neither an OBJ nor a scene file, by its first bytes.

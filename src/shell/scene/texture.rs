@@ -31,6 +31,10 @@ pub(super) enum Purpose {
     Mask,
     /// Radiance: linear, times this colour.
     Light([f32; 3]),
+    /// Reflectance as [`Colour`](Self::Colour), whatever the alpha.
+    Solid,
+    /// How much is there: alpha times this factor, or with a cutoff all from there on and nothing below.
+    Alpha(f32, Option<f32>),
 }
 
 impl Purpose {
@@ -39,6 +43,9 @@ impl Purpose {
             Purpose::Colour => [0; 4],
             Purpose::Mask => [1, 0, 0, 0],
             Purpose::Light([r, g, b]) => [2, r.to_bits(), g.to_bits(), b.to_bits()],
+            Purpose::Solid => [3, 0, 0, 0],
+            Purpose::Alpha(factor, None) => [4, factor.to_bits(), 0, 0],
+            Purpose::Alpha(factor, Some(cutoff)) => [5, factor.to_bits(), cutoff.to_bits(), 0],
         }
     }
 }
@@ -77,11 +84,23 @@ pub(super) struct TextureCache {
 impl TextureCache {
     /// The picture in a file, which is read if it is new; the error says why it cannot be used.
     pub fn load(&mut self, path: &Path, purpose: Purpose, lay: Lay) -> Result<Loaded, String> {
-        let key = (path.canonicalize().map_err(|e| e.to_string())?, purpose.key());
+        let name = path.canonicalize().map_err(|e| e.to_string())?;
+        self.load_as(name, purpose, lay, || decode(path))
+    }
+
+    /// The picture of a name that no other has, which is read if it is new; the error says why it cannot be used.
+    pub fn load_as(
+        &mut self,
+        name: PathBuf,
+        purpose: Purpose,
+        lay: Lay,
+        read: impl FnOnce() -> Result<DynamicImage, String>,
+    ) -> Result<Loaded, String> {
+        let key = (name, purpose.key());
         let (sheet, alpha) = match self.sheets.get(&key) {
             Some(known) => known.clone()?,
             None => {
-                let read = self.read(&key.0, purpose);
+                let read = read().and_then(|picture| self.keep(picture, purpose));
                 self.sheets.insert(key, read.clone());
                 read?
             }
@@ -89,9 +108,8 @@ impl TextureCache {
         Ok(Loaded { texture: self.lay(sheet, lay), alpha: alpha.map(|sheet| self.lay(sheet, lay)) })
     }
 
-    fn read(&mut self, path: &Path, purpose: Purpose) -> Result<Sheets, String> {
-        let picture = decode(path)?;
-        let linear_already = matches!(picture, DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_));
+    fn keep(&mut self, picture: DynamicImage, purpose: Purpose) -> Result<Sheets, String> {
+        let linear_already = is_linear(&picture);
         let picture = picture.into_rgba32f();
         let (width, height) = picture.dimensions();
         let pixels = || picture.pixels().map(|pixel| pixel.0);
@@ -102,8 +120,8 @@ impl TextureCache {
         let light = |v: f32| clean(if linear_already { v } else { linear(v) });
         let mut alpha = None;
         let sheet = match purpose {
-            Purpose::Colour => {
-                if has_alpha {
+            Purpose::Colour | Purpose::Solid => {
+                if has_alpha && purpose == Purpose::Colour {
                     alpha = Some(self.sheet(width, height, alphas().map(|a| [clean(a).min(1.0); 3]))?);
                 }
                 self.sheet(width, height, pixels().map(|[r, g, b, _]| [r, g, b].map(|v| light(v).min(1.0))))?
@@ -112,6 +130,13 @@ impl TextureCache {
                 let bright = |[r, g, b]: [f32; 3]| 0.2126 * r + 0.7152 * g + 0.0722 * b;
                 let value = |[r, g, b, a]: [f32; 4]| if has_alpha { a } else { bright([r, g, b]) };
                 self.sheet(width, height, pixels().map(|pixel| [clean(value(pixel)).min(1.0); 3]))?
+            }
+            Purpose::Alpha(factor, cutoff) => {
+                let value = |a: f32| match cutoff {
+                    Some(cutoff) => f32::from(u8::from(a * factor >= cutoff)),
+                    None => clean(a * factor).min(1.0),
+                };
+                self.sheet(width, height, alphas().map(|a| [value(a); 3]))?
             }
             Purpose::Light(colour) => {
                 let shine =
@@ -229,6 +254,17 @@ fn decode(path: &Path) -> Result<DynamicImage, String> {
         reader.set_format(ImageFormat::Tga);
     }
     reader.decode().map_err(|e| e.to_string().replace('\n', " "))
+}
+
+/// Reads a picture in memory by what it is.
+pub(super) fn decode_bytes(bytes: &[u8]) -> Result<DynamicImage, String> {
+    let reader = ImageReader::new(std::io::Cursor::new(bytes)).with_guessed_format();
+    reader.map_err(|e| e.to_string())?.decode().map_err(|e| e.to_string().replace('\n', " "))
+}
+
+/// Whether the values of a picture are linear as they are.
+pub(super) fn is_linear(picture: &DynamicImage) -> bool {
+    matches!(picture, DynamicImage::ImageRgb32F(_) | DynamicImage::ImageRgba32F(_))
 }
 
 /// Linear value of an sRGB value (IEC 61966-2-1).

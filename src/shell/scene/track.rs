@@ -111,7 +111,7 @@ impl<const N: usize> Track<N> {
 }
 
 /// The keys around a frame and how far it is from the first to the second; none outside of all keys.
-fn locate<T>(keys: &[(f64, T)], frame: f64) -> Option<(usize, f64)> {
+pub(super) fn locate<T>(keys: &[(f64, T)], frame: f64) -> Option<(usize, f64)> {
     let after = keys.partition_point(|key| key.0 <= frame);
     if after == 0 || after == keys.len() {
         return None;
@@ -121,7 +121,7 @@ fn locate<T>(keys: &[(f64, T)], frame: f64) -> Option<(usize, f64)> {
 }
 
 /// The cubic from `a` to `b` with these changes per interval at its ends.
-fn hermite(a: f64, b: f64, from: f64, to: f64, u: f64) -> f64 {
+pub(super) fn hermite(a: f64, b: f64, from: f64, to: f64, u: f64) -> f64 {
     let v = 1.0 - u;
     a + (b - a) * u * u * (3.0 - 2.0 * u) + u * v * (v * from - u * to)
 }

@@ -12,7 +12,7 @@ use crate::scene::error::{Error, read};
 use crate::scene::model::Frames;
 use crate::scene::object::Corner;
 use crate::scene::options::Options;
-use crate::scene::script::Script;
+use crate::scene::script::{CameraPath, Script};
 use crate::scene::shapes;
 use crate::scene::source::looks_like_obj;
 use glam::DVec3;
@@ -112,7 +112,7 @@ pub(super) fn load_scene(path: &Path, add_mesh: AddMesh, options: &Options) -> R
         let view = track.at(f64::from(script.first_frame()), DVec3::ZERO);
         view.map(|_| track).map_err(|m| source.error(camera.span().start, m))
     });
-    script.camera = track.transpose()?;
+    script.camera = track.transpose()?.map(CameraPath::Keys);
     let mut shot = scene.shot();
     if let Some(table) = &scene.sky {
         let file = path.with_file_name(table.get_ref().file.as_deref().unwrap_or_default());

@@ -17,6 +17,7 @@ use super::lines::without_comment;
 use super::maps::Map;
 use super::stated::Stated;
 use crate::scene::assemble::Assembly;
+use crate::scene::notes::Notes;
 use crate::scene::texture::{Loaded, Purpose};
 use pmcip_core::tracer::scene::{MIN_ROUGHNESS, Material, NO_TEXTURE, Scattering};
 use std::path::{Path, PathBuf};
@@ -26,27 +27,6 @@ const MOSTLY_CLEAR: f32 = 0.5;
 
 /// Reflectance at normal incidence of what states roughness alone.
 const PLASTIC: f32 = 0.04;
-
-/// What is to be said about the materials of a file: the first of each kind, and how many there are.
-#[derive(Debug, Default)]
-pub(super) struct Notes(Vec<(&'static str, String, usize)>);
-
-impl Notes {
-    fn add(&mut self, kind: &'static str, message: impl FnOnce() -> String) {
-        match self.0.iter_mut().find(|note| note.0 == kind) {
-            Some(note) => note.2 += 1,
-            None => self.0.push((kind, message(), 1)),
-        }
-    }
-
-    /// Passes all on as warnings, one line a kind.
-    pub fn warn(self, file: &Path, assembly: &mut Assembly) {
-        for (_, message, count) in self.0 {
-            let more = if count > 1 { format!(" ({count} materials)") } else { String::new() };
-            assembly.warn(format!("{}: {message}{more}", file.display()));
-        }
-    }
-}
 
 /// Converts a material of the MTL file `file` that the OBJ file `obj` uses.
 pub(super) fn convert(

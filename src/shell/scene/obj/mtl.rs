@@ -3,11 +3,12 @@
 use super::complaints::Complaints;
 use super::find::find;
 use super::lines::without_comment;
-use super::material::{Notes, convert};
+use super::material::convert;
 use super::read::Obj;
 use super::stated::{self, Library, Stated};
 use crate::scene::assemble::Assembly;
 use crate::scene::error::{Error, read};
+use crate::scene::notes::Notes;
 use pmcip_core::tracer::scene::Material;
 use std::collections::{BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
@@ -82,7 +83,7 @@ pub(super) fn load(path: &Path, obj: &Obj<'_>, assembly: &mut Assembly) -> Resul
         };
         indices.push(assembly.add_named(material, name));
     }
-    found.files.iter().zip(notes).for_each(|(file, notes)| notes.warn(file, assembly));
+    found.files.iter().zip(notes).for_each(|(file, notes)| notes.warn(file, "materials", assembly));
     let name = path.display();
     if !missing.is_empty() {
         assembly.warn(format!("{name}: no MTL file defines {}: grey instead", list(&missing)));

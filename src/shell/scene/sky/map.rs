@@ -27,8 +27,9 @@ pub struct SkyMap {
 }
 
 impl SkyMap {
-    /// A sky of a picture of so many texels and rows, and a sun.
-    pub(super) fn new(
+    /// A sky of a picture of so many texels and rows, linear radiance row by row from the top, and a sun; `source` is for
+    /// reports. It is of no use unless there are as many texels.
+    pub fn new(
         (width, height): (u32, u32),
         texels: Vec<[f32; 3]>,
         sun: Option<Sun>,
