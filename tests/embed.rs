@@ -112,6 +112,20 @@ fn a_wavefront_in_any_pieces_and_any_order_has_the_bits_of_jobs() {
             });
             assert_eq!(jobs, waves);
         }
+        // All planned at once, handed back in portions of 61 samples, of which a pixel's rest waits for the next one.
+        let portions = picture(labels, |sampler| {
+            let (whole, radiance) = pieces(sampler, 3 * PIXELS).remove(0);
+            let (mut rest, mut delivered, mut parts) = (whole, 0, 0);
+            for received in (61..whole.samples).step_by(61).chain([whole.samples]) {
+                let (part, next) = sampler.split(rest, received - delivered).unwrap();
+                parts += usize::from(part.samples > 0);
+                sampler.deliver(part, &radiance[delivered..delivered + part.samples]).unwrap();
+                (rest, delivered) = (next, delivered + part.samples);
+            }
+            assert_eq!((delivered, rest.samples), (whole.samples, 0));
+            assert!(parts > whole.samples / 122, "{parts}");
+        });
+        assert_eq!(jobs, portions);
         let flat_jobs = picture(labels, |sampler| {
             for mut job in sampler.jobs() {
                 let ([mut x, mut y], [mut index, mut key]) = ([[0.0; 13]; 2], [[0; 13]; 2]);
@@ -140,7 +154,14 @@ fn misuse_of_a_wavefront_is_refused() {
         assert_eq!(sampler.deliver(wrong, &radiance[1..]), Err(Error::Piece));
         assert_eq!(sampler.deliver(Piece { end: PIXELS + 1, ..*piece }, radiance), Err(Error::Piece));
         assert_eq!(sampler.deliver(Piece { first: 9, end: 3, samples: 0 }, &[]), Err(Error::Piece));
+        assert_eq!(sampler.split(wrong, 9), Err(Error::Piece));
+        assert_eq!(sampler.split(*piece, 0).map(|(head, tail)| (head.samples, tail)), Ok((0, *piece)));
+        assert_eq!(
+            sampler.split(*piece, usize::MAX).map(|(head, tail)| (head, tail.samples)),
+            Ok((*piece, 0))
+        );
         assert!(sampler.deliver(*piece, radiance).is_ok());
+        assert_eq!(sampler.split(*piece, 9), Err(Error::Piece));
         assert_eq!(sampler.deliver(*piece, radiance), Err(Error::Piece));
         let mut wave = Wave { x: &mut [], y: &mut [], index: &mut [], key: &mut [] };
         assert_eq!(sampler.plan(all[2].0.first, &mut wave), Err(Error::Wave));

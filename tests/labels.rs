@@ -341,3 +341,12 @@ fn history_stays_on_its_island() {
 fn side_by_side(second: f32) -> [[f32; 3]; 8] {
     std::array::from_fn(|x| [if x < 4 { 1.5 } else { second }; 3])
 }
+
+/// How many samples of a pixel are fair depends on the size of the picture, which unused pixels do not count to.
+#[test]
+fn unused_pixels_do_not_make_a_picture_large() {
+    let fair = |settings: Settings| (settings.fair, settings.defensive);
+    let small = fair(Settings::new(200, 150).for_frame(2, 16));
+    assert_eq!(fair(Settings::new(256, 256).for_pixels(30_000, 2, 16)), small);
+    assert_eq!((small.0, Settings::new(256, 256).for_frame(2, 16).fair), (8, 4));
+}

@@ -161,11 +161,14 @@ impl Film {
             epsilon: epsilon.unwrap_or(base.epsilon),
             fair: fair.unwrap_or(base.fair),
             ..base
-        }
-        .for_frame(pilot, spp);
+        };
         let film = match &labels {
-            None => Owned::new(settings),
-            Some(labels) => Owned::with_labels(settings, entries(labels, "labels")?),
+            None => Owned::new(settings.for_frame(pilot, spp)),
+            Some(labels) => {
+                let labels = entries(labels, "labels")?;
+                let used = labels.iter().filter(|label| **label != 0).count() as u64;
+                Owned::with_labels(settings.for_pixels(used, pilot, spp), labels)
+            }
         };
         Ok(Film { film: film.map_err(refused)?, width: width as usize, height: height as usize })
     }

@@ -189,6 +189,14 @@ impl Film {
         Ok(plans)
     }
 
+    /// Parts a piece where a pixel ends, among its first `samples`: [`Sampler::split`].
+    ///
+    /// # Errors
+    /// As the core.
+    pub fn split(&mut self, piece: Piece, samples: usize) -> Result<(Piece, Piece), Error> {
+        self.with(|sampler| sampler.split(piece, samples))
+    }
+
     /// Takes the radiances of a plan: [`Sampler::deliver`].
     ///
     /// # Errors

@@ -103,12 +103,13 @@ fn main() -> Result<(), Error> {
     let required = Sampler::required_with_labels(SIZE, SIZE);
     let (mut floats, mut words) = (vec![0.0; required.floats], vec![0; required.words]);
     let memory = Memory { floats: &mut floats, words: &mut words };
-    let mut sampler = Sampler::with_labels(Settings::new(SIZE, SIZE).for_frame(2, SPP), memory, &labels)?;
+    let used = labels.iter().filter(|label| **label != 0).count() as u64;
+    let settings = Settings::new(SIZE, SIZE).for_pixels(used, 2, SPP);
+    let mut sampler = Sampler::with_labels(settings, memory, &labels)?;
 
     // Jobs may go to any threads.
     let (mut batches, mut radiance) = ([Batch8::default(); 64], [Rgb8::default(); 64]);
     let mut work = Workspace::new(&mut batches, &mut radiance)?;
-    let used = sampler.pixels() as u64;
     for samples in Schedule::new(used, SPP, 2, 8) {
         sampler.begin(samples)?;
         for mut job in sampler.jobs() {

@@ -115,10 +115,15 @@ impl Settings {
     /// [`defaults`](super#how-the-defaults-were-chosen). Promises just what that takes, or nothing where
     /// [`defensive`](Self::defensive) is 0.
     pub fn for_frame(self, pilot: u32, spp: u32) -> Settings {
+        self.for_pixels(u64::from(self.width) * u64::from(self.height), pilot, spp)
+    }
+
+    /// As [`for_frame`](Self::for_frame), for a film with labels, of which `pixels` have one that is not 0: the others do not
+    /// make a picture large.
+    pub fn for_pixels(self, pixels: u64, pilot: u32, spp: u32) -> Settings {
         if self.defensive == 0.0 || spp <= pilot {
             return self;
         }
-        let pixels = u64::from(self.width) * u64::from(self.height);
         let part = if pixels < SMALL { spp / 2 } else { spp / 4 };
         let part = part.max(LEAST_FAIR.min(spp / 2)).max(1);
         let fair = if self.fair > 0 { self.fair } else { 1 << part.ilog2() }.clamp(pilot, spp);

@@ -3,7 +3,8 @@
 //! For renderers that want all rays at once: on a graphics card, in another process, in another language. [`Sampler::plan`]
 //! writes as many samples as fit, all of an iteration if the arrays are as long as [`Sampler::begin`] was told, and says
 //! which [`Piece`] of the film they are. [`Sampler::deliver`] takes the radiances of a piece. Pieces may come back in any
-//! order, and wherever one ends, the picture has the same bits.
+//! order, [split](Sampler::split) where a pixel ends if they come back in parts, and wherever one ends, the picture has the
+//! same bits.
 //!
 //! A sample is a place and a sequence. `x` and `y` are in pixels from the upper left corner, already placed inside the pixel
 //! (⌊x⌋, ⌊y⌋). `index` and `key` name the pixel's sequence of points: [`points`] writes those of any set, two dimensions
@@ -68,15 +69,39 @@ impl Sampler<'_> {
     /// [`Error::Piece`] if the piece was delivered already or stems from another iteration, or `radiance` has not as many
     /// entries as it has samples; then nothing has changed. [`Error::NotBegun`] if no iteration is running.
     pub fn deliver(&mut self, piece: Piece, radiance: &[[f32; 3]]) -> Result<Tally, Error> {
+        if radiance.len() != self.undelivered(piece)?.samples {
+            return Err(Error::Piece);
+        }
+        Ok(self.part(piece).map_or(Tally::default(), |job| job.delivered(radiance)))
+    }
+
+    /// Parts a piece: the pixels whose samples all are among its first `samples`, and those after them. For hosts that plan an
+    /// iteration at once and are handed its radiances in portions of their own: what is cut in the middle of a pixel waits for
+    /// the rest of it. ([`Job::deliver`] takes portions that end anywhere.)
+    ///
+    /// # Errors
+    /// As [`deliver`](Self::deliver).
+    pub fn split(&self, piece: Piece, samples: usize) -> Result<(Piece, Piece), Error> {
+        let Piece { first, end, samples: all } = self.undelivered(piece)?;
+        let (mut middle, mut before) = (first, 0);
+        for planned in &self.planes.planned[first..end] {
+            if *planned as usize > samples - before {
+                break;
+            }
+            (middle, before) = (middle + 1, before + *planned as usize);
+        }
+        let (head, tail) = ((first, middle, before), (middle, end, all - before));
+        Ok([head, tail].map(|(first, end, samples)| Piece { first, end, samples }).into())
+    }
+
+    /// The piece, if it is one of the running iteration that has not been delivered.
+    fn undelivered(&self, piece: Piece) -> Result<Piece, Error> {
         if self.state.running == 0 {
             return Err(Error::NotBegun);
         }
         let planned = self.planes.planned.get(piece.first..piece.end).ok_or(Error::Piece)?;
         let samples = planned.iter().map(|n| u64::from(*n)).sum::<u64>();
-        if [piece.samples as u64, radiance.len() as u64] != [samples; 2] {
-            return Err(Error::Piece);
-        }
-        Ok(self.part(piece).map_or(Tally::default(), |job| job.delivered(radiance)))
+        if piece.samples as u64 == samples { Ok(piece) } else { Err(Error::Piece) }
     }
 
     /// Pixels from `first` on whose samples fit into `room`.

@@ -78,9 +78,10 @@ pub fn bake(
     let required = Sampler::required_with_labels(atlas.size, atlas.size);
     let (mut floats, mut words) = (zeros(required.floats)?, zeros(required.words)?);
     let memory = Memory { floats: &mut floats, words: &mut words };
-    let mut film = Sampler::with_labels(settings.film(), memory, &atlas.labels).map_err(Error::setting)?;
+    let used = atlas.used() as u64;
+    let mut film =
+        Sampler::with_labels(settings.film_of(used), memory, &atlas.labels).map_err(Error::setting)?;
     let mut tally = Tally::default();
-    let used = film.pixels() as u64;
     for samples in Schedule::new(used, settings.spp, settings.pilot(), settings.iterations) {
         film.begin(samples).map_err(Error::setting)?;
         crew.bake(film.jobs(), atlas, progress);

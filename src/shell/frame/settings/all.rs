@@ -120,16 +120,26 @@ impl Settings {
 
     /// The core's settings for a frame whose first iteration has `pilot` samples a pixel.
     fn core(&self, pilot: u32) -> sampler::Settings {
+        self.core_of(self.pixels(), pilot)
+    }
+
+    /// The same if samples go to so many `pixels` of it.
+    fn core_of(&self, pixels: u64, pilot: u32) -> sampler::Settings {
         match self.grows() {
             // Nobody knows how long the frame will be, but it has no less than these.
-            true => self.sampler.for_frame(PILOT_SPP.min(pilot), self.spp.min(LEAST_SPP as u32)),
-            false => self.sampler.for_frame(pilot, self.spp),
+            true => self.sampler.for_pixels(pixels, PILOT_SPP.min(pilot), self.spp.min(LEAST_SPP as u32)),
+            false => self.sampler.for_pixels(pixels, pilot, self.spp),
         }
     }
 
     /// The core's settings for a frame.
     pub fn film(&self) -> sampler::Settings {
         self.core(self.pilot())
+    }
+
+    /// The core's settings for a film with labels, samples going to so many `pixels` of it.
+    pub fn film_of(&self, pixels: u64) -> sampler::Settings {
+        self.core_of(pixels, self.pilot())
     }
 
     /// The same for a frame that starts from a prediction.
