@@ -222,8 +222,8 @@ pub struct Farm {
 /// Arguments of `bake`.
 #[derive(Debug, Args)]
 pub struct Bake {
-    /// Scene file (.toml), or a bare .obj, .gltf or .glb
-    pub scene: PathBuf,
+    #[command(flatten)]
+    pub source: Source,
     /// EXR file to write, with a PNG and an OBJ beside it
     #[arg(short, long, value_name = "LIGHTMAP.exr", value_parser = exr_path)]
     pub output: PathBuf,
@@ -281,11 +281,27 @@ pub struct Reference {
     pub json: bool,
 }
 
+/// A scene and its light.
+#[derive(Debug, Args)]
+pub struct Source {
+    /// Scene file (.toml), or a bare .obj, .gltf or .glb
+    pub scene: PathBuf,
+    /// What lights the scene
+    #[arg(long, value_enum, default_value = "auto")]
+    pub light: LightChoice,
+    /// Picture of the sky instead of the scene's: equirectangular, +y up, +z in the middle
+    #[arg(long, value_name = "FILE.exr|.hdr", value_parser = sky_path)]
+    pub sky: Option<PathBuf>,
+    /// Refuse mesh and material files with lines that mean nothing, instead of leaving these out
+    #[arg(long)]
+    pub strict: bool,
+}
+
 /// Arguments that every render takes.
 #[derive(Debug, Args)]
 pub struct Common {
-    /// Scene file (.toml), or a bare .obj, .gltf or .glb
-    pub scene: PathBuf,
+    #[command(flatten)]
+    pub source: Source,
     /// How light is followed
     #[arg(long, value_enum, default_value = "path")]
     pub integrator: IntegratorName,
@@ -323,21 +339,12 @@ pub struct Common {
     /// Vertical field of view in degrees, between 0 and 180
     #[arg(long, value_name = "DEG", value_parser = fov, allow_negative_numbers = true)]
     pub fov: Option<f32>,
-    /// What lights the scene
-    #[arg(long, value_enum, default_value = "auto")]
-    pub light: LightChoice,
-    /// Refuse mesh and material files with lines that mean nothing, instead of leaving these out
-    #[arg(long)]
-    pub strict: bool,
     /// Diameter of the lens in scene units: 0 is a pinhole, by which everything is sharp [default: the scene's, or 0]
     #[arg(long, value_name = "D", value_parser = not_negative, allow_negative_numbers = true)]
     pub aperture: Option<f32>,
     /// Distance along the view at which the picture is sharp [default: the scene's, or that of --look-at]
     #[arg(long, value_name = "D", value_parser = positive, allow_negative_numbers = true)]
     pub focus: Option<f32>,
-    /// Picture of the sky instead of the scene's: equirectangular, +y up, +z in the middle
-    #[arg(long, value_name = "FILE.exr|.hdr", value_parser = sky_path)]
-    pub sky: Option<PathBuf>,
     /// Print nothing but errors
     #[arg(long)]
     pub quiet: bool,

@@ -2,6 +2,7 @@
 
 use super::arguments::Bake;
 use super::common::{Failure, admit, bad, blame, failed, print_json, say};
+use super::load::Loader;
 use super::progress;
 use pmcip::bake::atlas::{Atlas, Fineness};
 use pmcip::bake::check::{Check, check};
@@ -9,7 +10,7 @@ use pmcip::bake::light::{Lightmap, bake};
 use pmcip::bake::mesh;
 use pmcip::frame::settings::{Method, Settings};
 use pmcip::picture::{frame_io, output};
-use pmcip::scene::{LoadedScene, load_lit};
+use pmcip::scene::{Eye, LoadedScene};
 use pmcip_core::sampler::estimate::Estimator;
 use pmcip_core::tracer::scene::Scene;
 use serde::Serialize;
@@ -39,10 +40,9 @@ struct Report {
 }
 
 pub fn bake_lightmap(arguments: &Bake) -> Result<(), Failure> {
-    let scene = load_lit(&arguments.scene).map_err(bad)?;
-    if !arguments.quiet {
-        scene.warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
-    }
+    let loader = Loader { source: &arguments.source, eye: Eye::default(), quiet: arguments.quiet };
+    let trial = |scene: &LoadedScene| settings(arguments, scene, None);
+    let scene = loader.load(arguments.exposure, trial)?.into_scene();
     let exr = &arguments.output;
     let [png, obj, check_png] = ["png", "obj", "check.png"].map(|end| exr.with_extension(end));
     let mut files = vec![exr.clone(), png.clone(), obj.clone()];

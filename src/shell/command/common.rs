@@ -1,4 +1,4 @@
-//! What the commands share: failures, loading, settings, what they say.
+//! What the commands share: failures, settings, what they say.
 
 use super::arguments::Common;
 use super::print::Rendered;
@@ -7,10 +7,9 @@ use pmcip::error::Error;
 use pmcip::frame::probe;
 use pmcip::frame::render::{self, Frame};
 use pmcip::frame::settings::{Method, Settings};
-use pmcip::scene::{Animation, Eye, LightChoice, LoadedScene, Options, SkyMap};
+use pmcip::scene::{Eye, LoadedScene};
 use pmcip_core::sampler::Tally;
 use std::io::Write;
-use std::path::Path;
 
 /// Why a command ended without success.
 pub struct Failure {
@@ -32,58 +31,6 @@ pub fn failed(reason: impl ToString) -> Failure {
 
 /// Part of the samples that may be rejected before a command counts as failed.
 const REJECTABLE: f64 = 0.01;
-
-/// Loads a scene that can be rendered, and passes on what the loader noticed. One that its own light leaves in the dark, at
-/// an exposure that is the scene's where none is given, gets a light of last resort, if it is no scene file and may have one.
-pub fn load(common: &Common, exposure: Option<f32>) -> Result<Animation, Failure> {
-    let mut options = Options { strict: common.strict, light: common.light, eye: eye(common) };
-    if let Some(file) = &common.sky {
-        return under_sky(common, options, file);
-    }
-    let open = |options: &Options| {
-        let animation = Animation::open(&common.scene, options).map_err(bad)?;
-        animation.scene().require_light().map(|()| animation).map_err(bad)
-    };
-    let mut animation = open(&options)?;
-    let mut dark = None;
-    if common.light == LightChoice::Auto && !animation.scene().has_lamp {
-        let scene = animation.scene();
-        let settings = path_settings(scene, common, Method::Uniform, None);
-        if probe::is_dark(scene, &settings, exposure.unwrap_or(scene.exposure)).map_err(blame)? {
-            let name = common.scene.display();
-            let why = format!("{name}: its own light leaves the picture nearly black");
-            if animation.scene().is_bare() {
-                options.light = LightChoice::Sky;
-                animation = open(&options)?;
-                dark = Some(format!("{why}: {} is added (--light own: without)", LAST_RESORT));
-            } else {
-                dark = Some(format!("{why}: --light sky adds {LAST_RESORT}"));
-            }
-        }
-    }
-    warn(common, animation.scene().warnings.iter().chain(&dark));
-    Ok(animation)
-}
-
-/// What lights a scene that nothing else does.
-const LAST_RESORT: &str = "a soft sky and a key light, in a room a lamp by the camera,";
-
-/// Loads a scene under the sky of a file.
-fn under_sky(common: &Common, mut options: Options, file: &Path) -> Result<Animation, Failure> {
-    if options.light == LightChoice::Auto {
-        options.light = LightChoice::Own;
-    }
-    let (sky, warnings) = SkyMap::load(file).map_err(bad)?;
-    let animation = Animation::open(&common.scene, &options).map_err(bad)?.under(sky);
-    warn(common, animation.scene().warnings.iter().chain(&warnings));
-    Ok(animation)
-}
-
-fn warn<'a>(common: &Common, warnings: impl Iterator<Item = &'a String>) {
-    if !common.quiet {
-        warnings.for_each(|warning| eprintln!("warning: {warning}"));
-    }
-}
 
 /// What the command says of the camera.
 pub fn eye(common: &Common) -> Eye {

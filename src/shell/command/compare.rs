@@ -1,9 +1,8 @@
 //! The command `compare`: methods against a reference.
 
 use super::arguments::Compare;
-use super::common::{
-    Failure, admit, bad, blame, failed, load, note, path_settings, print_json, say, settings,
-};
+use super::common::{Failure, admit, bad, blame, failed, note, path_settings, print_json, say, settings};
+use super::load::load;
 use super::progress;
 use pmcip::compare::report::{FILES, Report};
 use pmcip::compare::{self, Comparison, Moving, Other, Plan, Shot, Stage, Still, reference};

@@ -1,7 +1,8 @@
 //! The command `farm`: a render divided into tasks, as a job script or template of a queue.
 
 use super::arguments::{Arguments, Command, Farm, Queue, Render};
-use super::common::{Failure, bad, failed, load, say};
+use super::common::{Failure, bad, failed, say};
+use super::load::load;
 use super::render::output_name;
 use clap::Parser;
 use pmcip::animation::sequence;

@@ -1,8 +1,9 @@
 //! The command `render --frames`: frame after frame, kept, resumed, and made into a video.
 
 use super::arguments::Render;
-use super::common::{Failure, admit, bad, blame, eye, failed, load, look, note, say};
+use super::common::{Failure, admit, bad, blame, eye, failed, look, note, say};
 use super::kept::{Kept, attributes};
+use super::load::load;
 use super::print::Rendered;
 use super::progress;
 use super::render::{known_spp, output_name, render_settings};

@@ -11,6 +11,7 @@ mod guide;
 mod info;
 mod kept;
 mod layers;
+mod load;
 mod merge;
 mod print;
 pub mod processor;

@@ -1,7 +1,8 @@
 //! The command `reference`: a picture that others are measured against.
 
 use super::arguments::Reference;
-use super::common::{Failure, admit, bad, failed, load, print, settings, work};
+use super::common::{Failure, admit, bad, failed, print, settings, work};
+use super::load::load;
 use super::print::Rendered;
 use pmcip::frame::settings::Method;
 use pmcip::picture::{frame_io, output};

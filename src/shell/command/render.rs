@@ -1,9 +1,10 @@
 //! The command `render`: one frame.
 
 use super::arguments::Render;
-use super::common::{Failure, admit, bad, failed, load, look, print, settings};
+use super::common::{Failure, admit, bad, failed, look, print, settings};
 use super::kept::{Kept, attributes};
 use super::layers;
+use super::load::load;
 use super::print::Rendered;
 use super::progress;
 use super::signals::Signals;
