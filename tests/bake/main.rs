@@ -1,11 +1,17 @@
 //! Lightmaps: what falls on a surface, island by island, and nothing beside them changed.
 
+mod complaints;
+#[path = "../program/mod.rs"]
+mod program;
+
 use pmcip::bake::atlas::{Atlas, Fineness};
 use pmcip::bake::light::{Lightmap, bake};
 use pmcip::frame::settings::{Method, Settings};
+use pmcip::picture::frame_io::{self, Picture};
 use pmcip::scene::{LoadedScene, load_lit};
 use pmcip_core::sampler::estimate::Estimator;
 use pmcip_core::tracer::scene::Scene;
+use program::{failure, success};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
@@ -159,11 +165,39 @@ fn the_command_writes_lightmap_preview_mesh_and_check() {
     }
     let mesh = fs::read_to_string(folder.path().join("l.obj")).unwrap();
     assert_eq!(mesh.lines().filter(|line| line.starts_with("f ")).count(), 4);
-    let picture = pmcip::picture::frame_io::read_exr(&folder.path().join("l.exr")).unwrap();
+    let picture = frame_io::read_exr(&folder.path().join("l.exr")).unwrap();
     assert!(
         picture.planes["mask"]
             .iter()
             .zip(&picture.planes["count"])
             .all(|(mask, count)| (*mask > 0.0) == (*count > 0.0))
+    );
+}
+
+/// What `render` takes to light a scene and to read its files, with the same words.
+#[test]
+fn the_command_takes_sky_light_and_strictness() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    fs::write(path.join("floor.obj"), "v -1 0 1\nv 1 0 1\nv 1 0 -1\nv -1 0 -1\nf 1 2 3 4\nf 1 2\n").unwrap();
+    let sky = Picture { width: 8, height: 4, rgb: vec![[0.5, 1.0, 2.0]; 32], ..Picture::default() };
+    frame_io::write_exr(&path.join("sky.exr"), &sky).unwrap();
+    let bake = "bake floor.obj -o l.exr --size 16 --spp 16";
+    success(path, &format!("{bake} --sky sky.exr"));
+    let picture = frame_io::read_exr(&path.join("l.exr")).unwrap();
+    assert_eq!(picture.attributes["sky"], "sky.exr");
+    let used = picture.rgb.iter().zip(&picture.planes["mask"]).filter(|(_, mask)| **mask > 0.0);
+    for (rgb, _) in used {
+        // A floor that nothing stands on sees half of an even sky.
+        let part = [0.5, 1.0, 2.0].map(|radiance| radiance * std::f32::consts::PI);
+        assert!((0..3).all(|c| (rgb[c] / part[c] - 1.0).abs() < 0.02), "{rgb:?}");
+    }
+    success(path, &format!("{bake} --light sky"));
+    failure(path, &format!("{bake} --light own"), 2, "no light: ");
+    failure(
+        path,
+        &format!("{bake} --sky sky.exr --strict"),
+        2,
+        "floor.obj:6: face: expected at least 3 corners, found 2",
     );
 }

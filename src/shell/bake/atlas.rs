@@ -21,6 +21,9 @@ pub const GUTTER: u32 = 2;
 const MOST_CHARTS: usize = u16::MAX as usize;
 /// Smallest side of an atlas that is as large as it has to be.
 pub(super) const LEAST_SIZE: u32 = 64;
+/// Distance of points from the sides of their triangle, relative to its largest coordinate: 128 units in the last place. What
+/// rises from a side is not met from behind by rounding, which leaves dark texels at the foot of walls.
+const INSET: f32 = 1.0 / (1 << 16) as f32;
 /// Halvings of the interval in which the finest texels that fit are looked for.
 const HALVINGS: usize = 12;
 /// One texel of so many may show two places where texture coordinates are the scene's own.
@@ -55,6 +58,8 @@ pub struct Atlas<'a> {
     shown: Vec<u32>,
     /// The direction along which each chart is projected.
     axes: Vec<Vec3>,
+    /// Least barycentric weights of each triangle's points.
+    insets: Vec<[f32; 3]>,
 }
 
 impl<'a> Atlas<'a> {
@@ -110,7 +115,9 @@ impl<'a> Atlas<'a> {
     fn empty(scene: &'a LoadedScene, size: u32, density: f32, axes: Vec<Vec3>) -> Self {
         let texels = size as usize * size as usize;
         let (labels, shown) = (vec![0; texels], vec![0; texels]);
-        Atlas { scene, size, density, labels, corners: vec![None; scene.triangles.len()], shown, axes }
+        let corners = vec![None; scene.triangles.len()];
+        let insets = scene.triangles.iter().map(|triangle| inset(&triangle.corners)).collect();
+        Atlas { scene, size, density, labels, corners, shown, axes, insets }
     }
 
     /// Lays out a scene's surfaces by their second texture coordinates.
@@ -169,10 +176,13 @@ impl<'a> Atlas<'a> {
         folded
     }
 
-    /// The point of triangle `i` that is nearest to a place, and the unit shading normal there.
+    /// The point of triangle `i` that is nearest to a place, a hair off its sides, and the unit shading normal there.
     fn point(&self, i: u32, place: [f32; 2]) -> (Vec3, Vec3) {
         let (triangle, surface) = (&self.scene.triangles[i as usize], &self.scene.surfaces[i as usize]);
         let weights = self.corners[i as usize].map_or([1.0, 0.0, 0.0], |flat| nearest(&flat, place).0);
+        let least = self.insets[i as usize];
+        let rest = 1.0 - least.iter().sum::<f32>();
+        let weights = [0, 1, 2].map(|k| least[k] + rest * weights[k]);
         let mix = |of: &[[f32; 3]; 3]| (0..3).map(|k| weights[k] * Vec3::from(of[k])).sum::<Vec3>();
         let smooth = mix(&surface.normals).try_normalize();
         (mix(&triangle.corners), smooth.unwrap_or_else(|| self.front(i)))
@@ -233,6 +243,14 @@ impl Unwrapped for Atlas<'_> {
         let vector = |i: usize| Vec3x8::new(rows[i].into(), rows[i + 1].into(), rows[i + 2].into());
         Sites { position: vector(0), normal: vector(3), facing: vector(6), reach: rows[9].into() }
     }
+}
+
+/// Weights that points of a triangle have at least, so that they are [`INSET`] off its sides.
+fn inset(corners: &[[f32; 3]; 3]) -> [f32; 3] {
+    let distance = INSET * corners.as_flattened().iter().fold(0.0f32, |most, x| most.max(x.abs()));
+    let [a, b, c] = corners.map(Vec3::from);
+    let area = (b - a).cross(c - a).length();
+    [b - c, c - a, a - b].map(|side| (distance * side.length() / area).min(0.25))
 }
 
 /// Size, density and the corners of all charts.
