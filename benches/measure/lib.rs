@@ -6,9 +6,11 @@ use std::path::{Path, PathBuf};
 
 pub mod all;
 pub mod bias;
+pub mod border;
 pub mod compare;
 pub mod features;
 pub mod homography;
+pub mod labels;
 pub mod lights;
 pub mod overhead;
 pub mod pairs;

@@ -9,9 +9,11 @@ fn main() -> ExitCode {
     match name.as_str() {
         "all" => measure::all::run(rest),
         "bias" => measure::bias::run(rest),
+        "border" => measure::border::run(rest),
         "compare" => measure::compare::run(rest),
         "features" => measure::features::run(rest).expect("files are written"),
         "homography" => measure::homography::run(rest).expect("files are written"),
+        "labels" => measure::labels::run(rest),
         "lights" => measure::lights::run(rest),
         "overhead" => measure::overhead::run(rest),
         "prediction" => measure::prediction::run(rest),
@@ -20,7 +22,7 @@ fn main() -> ExitCode {
         "target" => measure::target::run(rest),
         _ => {
             eprintln!(
-                "expected all, bias, compare, features, homography, lights, overhead, prediction, rays, sweep or target"
+                "expected all, bias, border, compare, features, homography, labels, lights, overhead, prediction, rays, sweep or target"
             );
             return ExitCode::from(2);
         }

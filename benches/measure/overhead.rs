@@ -24,11 +24,11 @@ impl Integrand for Noise {
 
 /// Nanoseconds of each step: a pixel, but `samples` a sample.
 #[derive(Clone, Copy, Debug, Default)]
-struct Cost {
-    begin: f64,
-    samples: f64,
-    resolve: f64,
-    plain: f64,
+pub(crate) struct Cost {
+    pub begin: f64,
+    pub samples: f64,
+    pub resolve: f64,
+    pub plain: f64,
 }
 
 /// Prints the table.
@@ -60,36 +60,67 @@ pub fn run(arguments: &[String]) {
 }
 
 fn measure(width: u32, height: u32, runs: usize, spp: u64) -> Vec<Cost> {
-    let required = Sampler::required(width, height);
-    let (mut floats, mut words) = (vec![0.0; required.floats], vec![0; required.words]);
-    let memory = Memory { floats: &mut floats, words: &mut words };
-    let settings = Settings::new(width, height);
-    let mut sampler = Sampler::new(settings, memory).expect("valid settings");
-    let (mut batches, mut radiance) = (vec![Batch8::default(); 256], vec![Rgb8::default(); 256]);
-    let mut work = Workspace::new(&mut batches, &mut radiance).expect("not empty");
-    let pixels = u64::from(width * height);
-    let mut scratch = vec![[0.0; 16]; Sampler::resolve_scratch(width, height)];
-    let mut rgb = vec![0.0; 3 * pixels as usize];
-    let mut plain = Plain::new(pixels as usize);
-    let time = |count: u64, f: &mut dyn FnMut()| {
-        let start = Instant::now();
-        f();
-        start.elapsed().as_secs_f64() * 1e9 / count as f64
-    };
-    let mut run = || {
+    let mut film = Film::new(width, height, None);
+    film.run(spp); // The first iteration is uniform.
+    (0..runs).map(|_| film.run(spp)).collect()
+}
+
+/// A film with all that its iterations need.
+pub(crate) struct Film {
+    sampler: Sampler<'static>,
+    batches: Vec<Batch8>,
+    radiance: Vec<Rgb8>,
+    scratch: Vec<[f32; 16]>,
+    rgb: Vec<f32>,
+    plain: Plain,
+}
+
+impl Film {
+    pub(crate) fn new(width: u32, height: u32, labels: Option<&[u16]>) -> Film {
+        let pixels = (width * height) as usize;
+        let required = match labels {
+            None => Sampler::required(width, height),
+            Some(_) => Sampler::required_with_labels(width, height),
+        };
+        // There are few films, and they last as long as the program.
+        let (floats, words) = (vec![0.0; required.floats].leak(), vec![0; required.words].leak());
+        let (settings, memory) = (Settings::new(width, height), Memory { floats, words });
+        let sampler = match labels {
+            None => Sampler::new(settings, memory),
+            Some(labels) => Sampler::with_labels(settings, memory, labels),
+        };
+        Film {
+            sampler: sampler.expect("valid settings"),
+            batches: vec![Batch8::default(); 256],
+            radiance: vec![Rgb8::default(); 256],
+            scratch: vec![[0.0; 16]; Sampler::resolve_scratch(width, height)],
+            rgb: vec![0.0; 3 * pixels],
+            plain: Plain::new(pixels),
+        }
+    }
+
+    /// Runs an iteration of `spp` samples a pixel and reads the picture.
+    pub(crate) fn run(&mut self, spp: u64) -> Cost {
+        let Film { sampler, batches, radiance, scratch, rgb, plain } = self;
+        let mut work = Workspace::new(batches, radiance).expect("not empty");
+        let pixels = rgb.len() as u64 / 3;
+        let time = |count: u64, f: &mut dyn FnMut()| {
+            let start = Instant::now();
+            f();
+            start.elapsed().as_secs_f64() * 1e9 / count as f64
+        };
         let begin = time(pixels, &mut || sampler.begin(spp * pixels).expect("none is running"));
         let samples = time(spp * pixels, &mut || {
             sampler.jobs().for_each(|mut job| _ = job.render(&mut Noise, &mut work));
         });
         let end = time(pixels, &mut || _ = sampler.end().expect("all jobs were rendered"));
+        let estimator = sampler.settings().estimator;
         let resolve = time(pixels, &mut || {
-            sampler.resolve(settings.estimator, &mut scratch, &mut rgb).expect("memory suffices");
+            sampler.resolve(estimator, scratch, rgb).expect("memory suffices");
         });
         let plain = time(pixels, &mut || plain.pass());
         Cost { begin: begin + end, samples, resolve, plain }
-    };
-    run(); // The first iteration is uniform.
-    (0..runs).map(|_| run()).collect()
+    }
 }
 
 /// Planes like the film's.
@@ -120,7 +151,7 @@ impl Plain {
     }
 }
 
-fn median(mut values: Vec<f64>) -> f64 {
+pub(crate) fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     values[values.len() / 2]
 }
