@@ -4,6 +4,11 @@
 //! crate of the build links std, and `extern crate alloc` costs nothing until something is linked. So
 //! 1. a program without allocator (`tests/no_std`) is linked to the core and run, and
 //! 2. the core is compiled against a sysroot that holds the crate `core` and nothing else.
+//!
+//! And where there is WebAssembly, the sampler runs there.
+
+#[path = "wasm/film.rs"]
+mod film;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -21,6 +26,36 @@ fn a_program_without_std_and_allocator_links_to_the_core_and_runs() {
     cargo.current_dir(folder).args(["build", "--locked", "--target-dir"]).arg(&target);
     expect(&mut cargo, None);
     expect(&mut Command::new(target.join("debug/probe")), None);
+}
+
+/// The sampler in WebAssembly, with and without its SIMD, has the bits that it has here. It is skipped where the target
+/// (`rustup target add wasm32-unknown-unknown`) or node is not there.
+#[test]
+fn a_film_has_the_same_bits_in_webassembly() {
+    const TARGET: &str = "wasm32-unknown-unknown";
+    let libraries = PathBuf::from(ask(&["--print", "target-libdir", "--target", TARGET]).trim());
+    if !libraries.is_dir() {
+        return eprintln!("skipped: the target {TARGET} is not installed");
+    }
+    if !Command::new("node").arg("--version").output().is_ok_and(|node| node.status.success()) {
+        return eprintln!("skipped: there is no node");
+    }
+    let here = film::digest().unwrap();
+    for (name, flags) in [("plain", ""), ("SIMD", "-C target-feature=+simd128")] {
+        let target = Path::new(TEMPORARY).join("wasm");
+        let mut cargo = Command::new(env!("CARGO"));
+        cargo.current_dir(Path::new(ROOT).join("tests/wasm")).args(["build", "--locked", "--target", TARGET]);
+        cargo.arg("--target-dir").arg(&target);
+        cargo.env_remove("CARGO_ENCODED_RUSTFLAGS").env("RUSTFLAGS", flags);
+        expect(&mut cargo, None);
+        let run = "WebAssembly.instantiate(require('fs').readFileSync(process.argv[1]))\
+            .then(({ instance }) => console.log(BigInt.asUintN(64, instance.exports.digest()).toString()))";
+        let mut node = Command::new("node");
+        node.args(["-e", run]).arg(target.join(TARGET).join("debug/film.wasm"));
+        let output = node.output().unwrap();
+        let found = String::from_utf8(output.stdout).unwrap();
+        assert_eq!(found.trim(), here.to_string(), "{name}: {}", String::from_utf8_lossy(&output.stderr));
+    }
 }
 
 #[test]
