@@ -70,39 +70,44 @@ fn around(size: u32, texel: usize, rings: usize) -> impl Iterator<Item = usize> 
     near(y).flat_map(move |y| near(x).map(move |x| y * size + x))
 }
 
-/// Two floors back to back, each before a lamp of its own, of which one is a thousand times as bright. In the atlas they are
-/// neighbours.
+/// Two floors side by side in a plane, a wall between them, each below a lamp of its own, of which one is a thousand times as
+/// bright. In the atlas they are neighbours, and nothing but their light tells them apart.
 #[test]
 fn no_light_leaks_from_a_bright_island_into_a_dark_one() {
     let folder = tempfile::tempdir().unwrap();
-    let obj = "mtllib s.mtl\nv -1 0 1\nv 1 0 1\nv 1 0 -1\nv -1 0 -1\nv -.5 2 -.5\nv .5 2 -.5\nv .5 2 .5\nv -.5 2 .5\n\
-               v -1 -1 1\nv 1 -1 1\nv 1 -1 -1\nv -1 -1 -1\nv -.5 -3 -.5\nv .5 -3 -.5\nv .5 -3 .5\nv -.5 -3 .5\n\
-               usemtl floor\nf 1 2 3 4\nf 12 11 10 9\nusemtl bright\nf 5 6 7 8\nusemtl dark\nf 16 15 14 13\n";
+    let mut obj = String::from("mtllib s.mtl\n");
+    for (x, y, half) in [(0.0, 0.0, 1.0), (4.0, 0.0, 1.0), (0.0, 1.0, 0.2), (4.0, 1.0, 0.2)] {
+        for (u, v) in [(-1.0, 1.0), (1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)] {
+            obj += &format!("v {} {y} {}\n", x + u * half, v * half);
+        }
+    }
+    obj += "v 2 -.1 -1\nv 2 1.2 -1\nv 2 1.2 1\nv 2 -.1 1\nusemtl floor\nf 1 2 3 4\nf 5 6 7 8\nf 17 18 19 20\n\
+            usemtl bright\nf 12 11 10 9\nusemtl dark\nf 16 15 14 13\n";
     let mtl = "newmtl floor\nKd 0 0 0\nnewmtl bright\nKd 0 0 0\nKe 20 20 20\nnewmtl dark\nKd 0 0 0\nKe .02 .02 .02\n";
-    let scene = scene(folder.path(), obj, mtl);
+    let scene = scene(folder.path(), &obj, mtl);
     let atlas = Atlas::new(&scene, Fineness::Size(128)).unwrap();
-    let [bright, dark] = [0.0, -1.0].map(|y| chart_where(&scene, &atlas, |corner| corner.y == y));
-    let texels = || (0..atlas.labels.len());
+    let floor = |middle: f32| chart_where(&scene, &atlas, |at| at.y == 0.0 && (at.x - middle).abs() < 1.5);
+    let (bright, dark) = (floor(0.0), floor(4.0));
+    let texels = || 0..atlas.labels.len();
     let near = |i| around(atlas.size, i, 2 * GUTTER as usize + 2).any(|k| atlas.labels[k] == bright);
     assert!(bright != dark && texels().any(|i| atlas.labels[i] == dark && near(i)));
-    let baked = lightmap(&scene, &atlas, Method::Pmc, Estimator::Guided, (64, 1));
     let lamp =
-        Lamp { centre: DVec3::new(0.0, -3.0, 0.0), halves: [DVec3::Z * 0.5, DVec3::X * 0.5], radiance: 0.02 };
-    // A thousandth of the bright one would double it. Few samples go there: single texels have noise, their mean has little.
-    let errors: Vec<f64> = texels()
+        Lamp { centre: DVec3::new(4.0, 1.0, 0.0), halves: [DVec3::X * 0.2, DVec3::Z * 0.2], radiance: 0.02 };
+    let truths: HashMap<usize, f64> = texels()
         .filter(|i| atlas.labels[*i] == dark)
-        .map(|i| f64::from(baked.irradiance[i][0]) / lamp.irradiance(shown(&atlas, i), DVec3::NEG_Y) - 1.0)
+        .map(|i| (i, lamp.irradiance(shown(&atlas, i), DVec3::Y)))
         .collect();
-    let mean = errors.iter().sum::<f64>() / errors.len() as f64;
-    let worst = errors.iter().fold(0.0, |worst: f64, error| worst.max(error.abs()));
-    assert!(mean.abs() < 0.01 && worst < 0.2, "mean {mean}, worst {worst}");
-    // What a bilinear filter finds beside it, too; and lamps that nothing lights stay black.
-    let most = lamp.irradiance(DVec3::NEG_Y, DVec3::NEG_Y);
+    let most = truths.values().fold(0.0, |most: f64, truth| most.max(*truth));
+    let baked = lightmap(&scene, &atlas, Method::Pmc, Estimator::Guided, (16, 1));
+    // A thousandth of the bright one would double it. Few samples go there: single texels have noise, their mean has little.
+    let value = |i: usize| f64::from(baked.irradiance[i][0]);
+    let mean = truths.keys().map(|i| value(*i)).sum::<f64>() / truths.values().sum::<f64>() - 1.0;
+    let worst = truths.iter().map(|(i, truth)| (value(*i) - truth).abs() / most).fold(0.0, f64::max);
+    assert!(mean.abs() < 0.01 && worst < 0.5, "mean {mean}, worst {worst}");
+    // What a bilinear filter finds beside it, too.
     for i in texels().filter(|i| around(atlas.size, *i, 1).any(|k| atlas.labels[k] == dark)) {
-        assert!(f64::from(baked.irradiance[i][0]) < 1.2 * most, "{i}: {:?}", baked.irradiance[i]);
+        assert!(value(i) < 1.5 * most, "{i}: {}", value(i));
     }
-    let unlit = texels().filter(|i| ![0, bright, dark].contains(&atlas.labels[*i]));
-    unlit.for_each(|i| assert_eq!(baked.irradiance[i], [0.0; 3], "{i}"));
 }
 
 /// A floor between black walls, turned so that edges run across texels and no coordinate is exact: texels at the border show
@@ -189,7 +194,7 @@ fn tiles_meet_without_a_seam() {
         let baked = lightmap(&scene, &atlas, method, estimator, (64, 1));
         let found = seams(&scene, &atlas, &baked);
         assert_eq!(found.len(), 4 * 9);
-        agree(&found, 0.02);
+        agree(&found, 0.01);
     }
 }
 
@@ -257,7 +262,7 @@ fn an_even_sky_makes_no_stripes_on_a_pillar() {
         }
         let found = seams(&scene, &atlas, &baked);
         assert!(found.len() >= 4 * 9, "{}", found.len());
-        agree(&found, 0.02);
+        agree(&found, 0.03);
     }
 }
 
@@ -279,6 +284,6 @@ fn a_lamp_makes_no_stripes_on_a_pillar() {
         }
         let lit: Vec<_> = seams(&scene, &atlas, &baked).into_iter().filter(|(at, _)| at.x > 0.5).collect();
         assert!(lit.len() >= 9, "{}", lit.len());
-        agree(&lit, 0.03);
+        agree(&lit, 0.02);
     }
 }
