@@ -60,7 +60,7 @@ class Film:
     def load(data: bytes) -> Film:
         """A film that was saved."""
     def save(self) -> bytes:
-        """The film between two iterations, the same bytes on every machine."""
+        """The film, also in the middle of an iteration, the same bytes on every machine."""
     @property
     def pixels(self) -> int:
         """Pixels that get samples."""

@@ -279,10 +279,10 @@ impl Film {
         self.plane(|sampler, out| sampler.alpha(out))
     }
 
-    /// The film as bytes, to go on another day or on another machine.
+    /// The film as bytes, also in the middle of an iteration, to go on another day or on another machine.
     ///
     /// # Errors
-    /// If an iteration is running or memory is lacking.
+    /// If memory is lacking.
     pub fn save(&mut self) -> Result<Vec<u8>, Error> {
         let mut bytes = zeros(self.with(|sampler| Ok(sampler.saved_len()))?)?;
         self.with(|sampler| sampler.save(&mut bytes))?;
