@@ -4,7 +4,8 @@ mod gltf_files;
 mod program;
 
 use gltf_files::{Gltf, U8, U16, U32, picture, png};
-use pmcip::bake::atlas::{Atlas, Fineness};
+use pmcip::bake::atlas::Fineness;
+use pmcip::bake::second;
 use pmcip::frame::render::render;
 use pmcip::frame::settings::{Method, Settings};
 use pmcip::scene::{Animation, LightChoice, LoadedScene, Options, load};
@@ -693,7 +694,7 @@ const MIDDLE: [[f32; 2]; 4] = [[0.25, 0.75], [0.75, 0.75], [0.75, 0.25], [0.25, 
 #[test]
 fn second_coordinates_are_places_in_the_lightmap() {
     let scene = loaded(&unwrapped(MIDDLE));
-    let atlas = Atlas::by_second_set(&scene, Fineness::Size(64)).unwrap();
+    let atlas = second::atlas(&scene, Fineness::Size(64)).unwrap();
     // 32 texels for two units; those whose border is the square's are touched, too.
     assert_eq!((atlas.size, atlas.density, atlas.charts()), (64, 16.0, 1));
     assert!((32 * 32..=34 * 34).contains(&atlas.used()), "{}", atlas.used());
@@ -703,8 +704,8 @@ fn second_coordinates_are_places_in_the_lightmap() {
             near(at, [32.0 + 16.0 * x, 32.0 - 16.0 * y], 1e-4);
         }
     }
-    assert_eq!(Atlas::by_second_set(&scene, Fineness::Density(17.0)).unwrap().size, 128);
-    let why = |gltf: &Gltf, fineness: Fineness| Atlas::by_second_set(&loaded(gltf), fineness).err().unwrap();
+    assert_eq!(second::atlas(&scene, Fineness::Density(17.0)).unwrap().size, 128);
+    let why = |gltf: &Gltf, fineness: Fineness| second::atlas(&loaded(gltf), fineness).err().unwrap();
     let size = Fineness::Size(64);
     assert!(why(&unwrapped(MIDDLE.map(|[u, v]| [u + 0.5, v])), size).contains("leave the square"));
     assert!(why(&unwrapped([[0.5; 2]; 4]), size).contains("no area"));

@@ -1,11 +1,10 @@
-//! All charts in one square of texels, or surfaces by their second texture coordinates, and what each texel shows.
+//! All charts in one square of texels, and what each texel shows.
 //!
 //! Every texel that a triangle touches belongs to its chart, so that no filter finds a black one at a border; around charts
 //! there is [`GUTTER`], so that none finds another chart's.
 
 use super::charts::{Chart, charts};
 use super::raster::{Flat, nearest, touched};
-use super::second;
 use crate::error::Error;
 use crate::scene::{LoadedScene, MAX_SIZE};
 use glam::Vec3;
@@ -18,7 +17,7 @@ use wide::f32x8;
 /// Texels beside a chart that are of no other.
 pub const GUTTER: u32 = 2;
 /// Most charts, that labels can tell apart.
-const MOST_CHARTS: usize = u16::MAX as usize;
+pub(super) const MOST_CHARTS: usize = u16::MAX as usize;
 /// Smallest side of an atlas that is as large as it has to be.
 pub(super) const LEAST_SIZE: u32 = 64;
 /// Distance of points from the sides of their triangle, relative to its largest coordinate: 128 units in the last place. What
@@ -26,8 +25,6 @@ pub(super) const LEAST_SIZE: u32 = 64;
 const INSET: f32 = 1.0 / (1 << 16) as f32;
 /// Halvings of the interval in which the finest texels that fit are looked for.
 const HALVINGS: usize = 12;
-/// One texel of so many may show two places where texture coordinates are the scene's own.
-const TOLERATED: usize = 1000;
 /// How often charts that lie on themselves are divided.
 const DIVISIONS: usize = 16;
 
@@ -112,7 +109,7 @@ impl<'a> Atlas<'a> {
     }
 
     /// An atlas of nothing, for pieces that are seen along `axes`.
-    fn empty(scene: &'a LoadedScene, size: u32, density: f32, axes: Vec<Vec3>) -> Self {
+    pub(super) fn empty(scene: &'a LoadedScene, size: u32, density: f32, axes: Vec<Vec3>) -> Self {
         let texels = size as usize * size as usize;
         let (labels, shown) = (vec![0; texels], vec![0; texels]);
         let corners = vec![None; scene.triangles.len()];
@@ -120,35 +117,8 @@ impl<'a> Atlas<'a> {
         Atlas { scene, size, density, labels, corners, shown, axes, insets }
     }
 
-    /// Lays out a scene's surfaces by their second texture coordinates.
-    ///
-    /// # Errors
-    /// Why they cannot be used: some surface has none, or they leave the square from 0 to 1, lie on one another, or are not as
-    /// fine as asked for.
-    pub fn by_second_set(scene: &'a LoadedScene, fineness: Fineness) -> Result<Atlas<'a>, String> {
-        let islands = second::islands(scene)?;
-        if islands.len() > MOST_CHARTS {
-            return Err(format!(
-                "they fall into {} pieces, at most {MOST_CHARTS} can be baked",
-                islands.len()
-            ));
-        }
-        let (size, density) = second::size(scene, &islands, fineness)?;
-        let axes = islands.iter().map(|island| second::axis(scene, island)).collect();
-        let mut atlas = Atlas::empty(scene, size, density, axes);
-        let mut distances = vec![f32::INFINITY; atlas.labels.len()];
-        let flat = |triangle: u32| second::flat(scene, triangle, size as f32);
-        let islands = (1..).zip(&islands);
-        let twice: usize =
-            islands.map(|(label, island)| atlas.draw(label, island, flat, &mut distances)).sum();
-        match twice * TOLERATED > atlas.used() {
-            true => Err(format!("{twice} of {} texels show two places", atlas.used())),
-            false => Ok(atlas),
-        }
-    }
-
     /// Draws triangles that lie where `flat` says; returns how many texels show two places.
-    fn draw(
+    pub(super) fn draw(
         &mut self,
         label: u16,
         triangles: &[u32],

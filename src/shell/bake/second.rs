@@ -4,7 +4,7 @@
 //! one. Islands are pieces that hang together along edges in space and in the square. What is black keeps nothing: it may
 //! lack them.
 
-use super::atlas::{Fineness, LEAST_SIZE};
+use super::atlas::{Atlas, Fineness, LEAST_SIZE, MOST_CHARTS};
 use super::charts::normal;
 use super::raster::Flat;
 use crate::scene::{LoadedScene, MAX_SIZE};
@@ -14,11 +14,37 @@ use std::collections::HashMap;
 /// How far coordinates may leave the square by rounding.
 const BESIDE: f32 = 1e-4;
 
+/// One texel of so many may show two places.
+const TOLERATED: usize = 1000;
+
+/// Lays out a scene's surfaces by their second texture coordinates.
+///
+/// # Errors
+/// Why they cannot be used: some surface has none, or they leave the square from 0 to 1, lie on one another, or are not as
+/// fine as asked for.
+pub fn atlas(scene: &LoadedScene, fineness: Fineness) -> Result<Atlas<'_>, String> {
+    let islands = islands(scene)?;
+    if islands.len() > MOST_CHARTS {
+        return Err(format!("they fall into {} pieces, at most {MOST_CHARTS} can be baked", islands.len()));
+    }
+    let (size, density) = size(scene, &islands, fineness)?;
+    let axes = islands.iter().map(|island| axis(scene, island)).collect();
+    let mut atlas = Atlas::empty(scene, size, density, axes);
+    let mut distances = vec![f32::INFINITY; atlas.labels.len()];
+    let flat = |triangle: u32| flat(scene, triangle, size as f32);
+    let islands = (1..).zip(&islands);
+    let twice: usize = islands.map(|(label, island)| atlas.draw(label, island, flat, &mut distances)).sum();
+    match twice * TOLERATED > atlas.used() {
+        true => Err(format!("{twice} of {} texels show two places", atlas.used())),
+        false => Ok(atlas),
+    }
+}
+
 /// Pieces that hang together, as triangles by their index in the scene.
 ///
 /// # Errors
 /// If a surface that is not black has no coordinates or they leave the square, or there is nothing.
-pub(super) fn islands(scene: &LoadedScene) -> Result<Vec<Vec<u32>>, String> {
+fn islands(scene: &LoadedScene) -> Result<Vec<Vec<u32>>, String> {
     if scene.second_uvs.is_empty() {
         return Err("there are none".into());
     }
@@ -84,7 +110,7 @@ fn connected(scene: &LoadedScene, laid: &[u32]) -> Vec<Vec<u32>> {
 }
 
 /// Where a triangle lies in a square of `size` texels, rows from the top.
-pub(super) fn flat(scene: &LoadedScene, i: u32, size: f32) -> Flat {
+fn flat(scene: &LoadedScene, i: u32, size: f32) -> Flat {
     scene.second_uvs[i as usize].map(|[u, v]| [u * size, (1.0 - v) * size])
 }
 
@@ -100,7 +126,7 @@ fn area_vector(scene: &LoadedScene, i: u32) -> Vec3 {
 }
 
 /// The direction that an island faces on the whole.
-pub(super) fn axis(scene: &LoadedScene, island: &[u32]) -> Vec3 {
+fn axis(scene: &LoadedScene, island: &[u32]) -> Vec3 {
     island.iter().map(|i| area_vector(scene, *i)).sum::<Vec3>().normalize_or(Vec3::Z)
 }
 
@@ -108,11 +134,7 @@ pub(super) fn axis(scene: &LoadedScene, island: &[u32]) -> Vec3 {
 ///
 /// # Errors
 /// If no size is as fine as asked for.
-pub(super) fn size(
-    scene: &LoadedScene,
-    islands: &[Vec<u32>],
-    fineness: Fineness,
-) -> Result<(u32, f32), String> {
+fn size(scene: &LoadedScene, islands: &[Vec<u32>], fineness: Fineness) -> Result<(u32, f32), String> {
     let sum = |of: fn(&LoadedScene, u32) -> f32| -> f64 {
         islands.iter().flatten().map(|i| f64::from(of(scene, *i))).sum()
     };

@@ -7,7 +7,7 @@ use super::progress;
 use pmcip::bake::atlas::{Atlas, Fineness};
 use pmcip::bake::check::{Check, check};
 use pmcip::bake::light::{Lightmap, bake};
-use pmcip::bake::mesh;
+use pmcip::bake::{mesh, second};
 use pmcip::frame::settings::{Method, Settings};
 use pmcip::picture::{frame_io, output};
 use pmcip::scene::{Eye, LoadedScene};
@@ -85,7 +85,7 @@ pub fn bake_lightmap(arguments: &Bake) -> Result<(), Failure> {
 /// By the scene's second texture coordinates, if it has any that are of use.
 fn atlas<'a>(arguments: &Bake, scene: &'a LoadedScene) -> Result<Atlas<'a>, Failure> {
     if !scene.second_uvs.is_empty() {
-        match Atlas::by_second_set(scene, fineness(arguments)) {
+        match second::atlas(scene, fineness(arguments)) {
             Ok(atlas) => return Ok(atlas),
             Err(why) if !arguments.quiet => {
                 let name = scene.path.display();
