@@ -19,7 +19,6 @@ impl SurfacePoints {
             ior: f32x8::splat(material.ior),
             emission: Vec3x8::splat(material.emission),
             typical_emission: Vec3x8::splat(material.emission),
-            opacity: f32x8::ONE,
             clearance: f32x8::ZERO,
         }
     }
