@@ -156,7 +156,8 @@ fn no_texel_at_a_border_is_too_dark() {
 
 /// Irradiance on both sides of every edge where two charts meet with the same normals, at nine places of it, with the place.
 fn seams(scene: &LoadedScene, atlas: &Atlas<'_>, baked: &Lightmap) -> Vec<(Vec3, [f32; 2])> {
-    let mut sides: HashMap<[[u32; 3]; 2], Vec<(u16, [[f32; 2]; 2])>> = HashMap::new();
+    // By its ends in space: the labels of the charts that have it, and where.
+    let mut sides = HashMap::<[[u32; 3]; 2], Vec<(u16, [[f32; 2]; 2])>>::new();
     for (i, triangle) in scene.triangles.iter().enumerate() {
         let Some(flat) = atlas.corners[i] else { continue };
         for (a, b) in [(0, 1), (1, 2), (2, 0)] {

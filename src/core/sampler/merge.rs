@@ -1,6 +1,6 @@
 //! Films of one frame, rendered apart with different seeds, as one.
 
-use super::saved::Saved;
+use super::saved::{Pixel, Saved};
 use super::{Error, Estimator, Sampler, Settings, State};
 use crate::maths::colour::luminance;
 
@@ -64,16 +64,6 @@ impl Sampler<'_> {
         planes.count[i] = mine.count.saturating_add(pixel.count);
         planes.drawn[i] = mine.drawn.saturating_add(pixel.drawn);
     }
-}
-
-/// What a film knows of a pixel.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Pixel {
-    pub count: u32,
-    pub drawn: u32,
-    pub mean: [f32; 3],
-    pub m2: f32,
-    pub fair: [f32; 3],
 }
 
 /// The part of both that the second is; none of nothing.

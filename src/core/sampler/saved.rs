@@ -12,7 +12,6 @@ use super::allocate::{MAX_SAMPLES, Mixture};
 use super::fair::Fair;
 use super::film::{Layout, Planes, WORDS};
 use super::kernel::{Criterion, Window};
-use super::merge::Pixel;
 use super::state::State;
 use super::{Error, Estimator, Memory, Mode, Sampler, Sequence, Settings};
 
@@ -187,6 +186,16 @@ impl State {
             running,
         })
     }
+}
+
+/// What a film knows of a pixel.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pixel {
+    pub count: u32,
+    pub drawn: u32,
+    pub mean: [f32; 3],
+    pub m2: f32,
+    pub fair: [f32; 3],
 }
 
 /// A film as bytes, checked.

@@ -6,7 +6,7 @@
 //! unasked; one that cannot be read is rendered again.
 
 use crate::error::Error;
-use crate::frame::render::difference;
+use crate::frame::attributes::difference;
 use crate::picture::frame_io;
 use std::collections::BTreeMap;
 use std::fmt::{self, Display, Formatter};

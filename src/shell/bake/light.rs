@@ -5,8 +5,8 @@
 use super::atlas::Atlas;
 use super::dilate::dilate;
 use crate::error::Error;
+use crate::frame::attributes::attributes;
 use crate::frame::memory::zeros;
-use crate::frame::render::attributes;
 use crate::frame::settings::Settings;
 use crate::frame::threads::{Crew, start_threads};
 use crate::frame::{guide, layers};

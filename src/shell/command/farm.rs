@@ -76,10 +76,10 @@ fn common(words: &[String]) -> Vec<String> {
     let mut kept = Vec::new();
     let mut words = words.iter();
     while let Some(word) = words.next() {
-        let has = |name: &&str| word.strip_prefix(*name).is_some_and(|rest| rest.starts_with('='));
+        let has = |name: &str| word.strip_prefix(name).is_some_and(|rest| rest.starts_with('='));
         if DIVIDED.contains(&word.as_str()) {
             words.next();
-        } else if !FLAGS.contains(&word.as_str()) && !DIVIDED.iter().any(|name| has(&name)) {
+        } else if !FLAGS.contains(&word.as_str()) && !DIVIDED.iter().any(|name| has(name)) {
             kept.push(word.clone());
         }
     }

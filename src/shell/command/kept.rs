@@ -7,6 +7,7 @@ use super::viewer::Viewer;
 use indicatif::ProgressBar;
 use pmcip::compare::reference::fingerprint;
 use pmcip::error::Error;
+use pmcip::frame::attributes;
 use pmcip::frame::checkpoint::{self, Keeper};
 use pmcip::frame::render::{self, Frame, Learner, Run};
 use pmcip::frame::settings::Settings;
@@ -18,7 +19,7 @@ use std::path::Path;
 
 /// What the file of a frame says: its settings, and the hash of the scene as it is in this frame.
 pub fn attributes(scene: &LoadedScene, settings: &Settings) -> BTreeMap<String, String> {
-    let mut attributes = render::attributes(scene, settings);
+    let mut attributes = attributes::attributes(scene, settings);
     attributes.insert("scene_hash".into(), fingerprint(scene, settings));
     attributes
 }

@@ -3,8 +3,8 @@
 //! The file's first line is JSON: the attributes that the finished frame will have, by which it is known again. The rest is the
 //! film, as [`Saved`](pmcip_core::sampler::saved::Saved) reads it; 44 bytes a pixel. It appears whole or not at all, as all files.
 
+use super::attributes::difference;
 use super::memory::zeros;
-use super::render::difference;
 use crate::error::Error;
 use crate::picture::output;
 use pmcip_core::sampler::Sampler;
@@ -39,7 +39,7 @@ impl<'a> Keeper<'a> {
         Keeper { path: path(exr), attributes, every, last: Instant::now() }
     }
 
-    /// Is shown the film as [`Run::go_on`](super::render::Run::go_on) is.
+    /// Is shown the film after every iteration, and in the middle of one if it is interrupted: as [`render_while`](super::render::render_while) shows it.
     ///
     /// # Errors
     /// [`Error::Write`], and [`Error::Work`] if memory is lacking.

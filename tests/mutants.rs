@@ -1,5 +1,6 @@
 //! Files with bytes changed to anything, a short run of what the fuzz targets do for long.
 
+mod films;
 mod mutant;
 
 use mutant::{GLTF, MTL, OBJ, Place, glb};
@@ -11,6 +12,18 @@ impl Random {
     fn below(&mut self, end: usize) -> usize {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 33) as usize % end
+    }
+
+    /// A word of a film, one of its fields as often as any, and what becomes of it.
+    fn change(&mut self) -> (u16, u32) {
+        let at = if self.below(2) == 0 { self.below(30) } else { self.below(1 << 16) };
+        let word = match self.below(5) {
+            0 => 0,
+            1 => u32::MAX,
+            2 => self.below(64) as u32,
+            _ => (self.below(1 << 31) << 1) as u32,
+        };
+        (at as u16, word)
     }
 
     /// A file with a few bytes replaced, doubled or taken away.
@@ -69,4 +82,19 @@ fn no_number_of_a_gltf_file_does_harm() {
             place.load_gltf([&text[..at], number, &text[end..]].concat().as_bytes());
         }
     }
+}
+
+#[test]
+fn no_film_does_harm() {
+    let (films, mut random, mut taken) = (films::sound(), Random(1), 0);
+    for film in &films {
+        assert!(films::probe(film, &films[1], &[]));
+    }
+    for round in 0..4000 {
+        let film = &films[round % films.len()];
+        let changes: Vec<(u16, u32)> = (0..1 + random.below(3)).map(|_| random.change()).collect();
+        taken += u32::from(films::probe(film, &films[1], &changes));
+    }
+    // Most words are numbers of pixels, which may be anything.
+    assert!(taken > 1000, "{taken}");
 }
