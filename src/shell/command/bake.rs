@@ -40,7 +40,8 @@ struct Report {
 }
 
 pub fn bake_lightmap(arguments: &Bake) -> Result<(), Failure> {
-    let loader = Loader { source: &arguments.source, eye: Eye::default(), quiet: arguments.quiet };
+    let Bake { source, quiet, threads, .. } = arguments;
+    let loader = Loader { source, eye: Eye::default(), quiet: *quiet, threads: *threads };
     let trial = |scene: &LoadedScene| settings(arguments, scene, None);
     let scene = loader.load(arguments.exposure, trial)?.into_scene();
     let exr = &arguments.output;
