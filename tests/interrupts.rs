@@ -135,6 +135,15 @@ fn what_needs_more_than_the_film_has_no_checkpoint() {
     }
     fs::write(room.path().join("room.film"), "anything\n").unwrap();
     failure(room.path(), "render room.toml --resume", 2, "room.film: it is no film file");
+    failure(
+        room.path(),
+        "render room.toml --checkpoint 5",
+        2,
+        "room.film is there already: --resume goes on",
+    );
+    // What is somebody's own stays, whatever is rendered beside it.
+    success(room.path(), "render room.toml --spp 1 --quiet");
+    assert_eq!(fs::read(room.path().join("room.film")).unwrap(), b"anything\n");
 }
 
 #[test]

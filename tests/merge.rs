@@ -90,6 +90,7 @@ fn a_merged_frame_has_the_parts_energy() {
     );
     let filtered: serde_json::Value = serde_json::from_str(&filtered).unwrap();
     assert_eq!(filtered["samples"], 4 * 16 * 40 * 33);
+    assert!(here.join("all.film").exists(), "the merged film is lost");
     let guided = energy(&read(here, "all.exr"));
     assert!((guided / all - 1.0).abs() < 1e-4, "{guided} {all}");
 }

@@ -367,10 +367,16 @@ impl<'a> Sampler<'a> {
             return Err(Error::Unfinished);
         }
         self.state.samples = self.state.samples.saturating_add(self.state.running);
-        let samples = self.planes.count.iter().map(|n| u64::from(*n)).sum::<u64>();
         self.state.iteration = self.state.iteration.saturating_add(1);
         self.state.running = 0;
-        Ok(Tally { samples, rejected: self.state.samples.saturating_sub(samples) })
+        Ok(self.tally())
+    }
+
+    /// What has been sampled in the iterations that have ended; while one is running its samples count, too, as far as they are
+    /// taken, and what was rejected is not known.
+    pub fn tally(&self) -> Tally {
+        let samples = self.planes.count.iter().map(|n| u64::from(*n)).sum::<u64>();
+        Tally { samples, rejected: self.state.samples.saturating_sub(samples) }
     }
 
     /// That no iteration is running: what there is would be the half of one.

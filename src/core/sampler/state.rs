@@ -54,6 +54,11 @@ impl State {
         self.used
     }
 
+    /// Samples of the iterations that have ended, rejected ones included.
+    pub fn samples(&self) -> u64 {
+        self.samples
+    }
+
     /// Samples of the running iteration, 0 if none is running.
     pub fn running(&self) -> u64 {
         self.running

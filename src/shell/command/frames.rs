@@ -222,7 +222,7 @@ impl Sequence<'_> {
         let scene = self.animation.scene();
         scene.require_light().map_err(bad)?;
         let files = self.files(frame);
-        let kept = Kept { exr: &files[0], attributes, arguments: self.arguments };
+        let mut kept = Kept::new(&files[0], attributes, self.arguments);
         let mut done = kept.render(scene, &settings, &mut self.predictor, &self.signals, bar)?;
         if settings.layers.contains(Layer::Motion) {
             done.layers.extend(self.motion(&settings)?);

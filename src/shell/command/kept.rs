@@ -27,44 +27,63 @@ pub fn attributes(scene: &LoadedScene, settings: &Settings) -> BTreeMap<String, 
 /// A frame to render.
 pub struct Kept<'a> {
     /// Its file.
-    pub exr: &'a Path,
+    exr: &'a Path,
     /// What that will say.
     pub attributes: BTreeMap<String, String>,
     /// How.
-    pub arguments: &'a Render,
+    arguments: &'a Render,
+    /// Whether there is a checkpoint on disk that has less than the frame.
+    has_checkpoint: bool,
 }
 
-impl Kept<'_> {
-    /// The frame is complete: keeps its film if that is asked for, and else removes what there was of it.
+impl<'a> Kept<'a> {
+    /// The frame of the file `exr`.
+    pub fn new(exr: &'a Path, attributes: BTreeMap<String, String>, arguments: &'a Render) -> Self {
+        Kept { exr, attributes, arguments, has_checkpoint: false }
+    }
+
+    /// The frame is on disk: writes its film if that is asked for, and else removes the checkpoint. A film that was not made on
+    /// the way to this frame stays.
     pub fn finish(&self, frame: &Frame) -> Result<(), Failure> {
+        let file = checkpoint::path(self.exr);
         match &frame.film {
-            Some(film) => {
-                checkpoint::write(&checkpoint::path(self.exr), &self.attributes, film).map_err(failed)
-            }
-            None => {
+            Some(film) => checkpoint::write(&file, &self.attributes, film).map_err(failed),
+            None if self.has_checkpoint => {
                 checkpoint::remove(self.exr);
                 Ok(())
             }
+            None => Ok(()),
+        }
+    }
+
+    /// The film to go on from, if that is asked for. One that is in the way of checkpoints is an error.
+    fn film(&self) -> Result<Option<Vec<u8>>, Failure> {
+        let file = checkpoint::path(self.exr);
+        match (self.arguments.resume, self.arguments.checkpoint) {
+            (true, _) => checkpoint::read(&file, &self.attributes).map_err(blame),
+            (false, Some(_)) if file.exists() => {
+                let remedy = "--resume goes on from it, or remove it to begin anew";
+                Err(bad(format!("{} is there already: {remedy}", file.display())))
+            }
+            _ => Ok(None),
         }
     }
 
     /// Renders the frame, from where it was left if that is asked for; what there is of it stays on disk if that is, or if
-    /// somebody interrupts.
+    /// somebody interrupts and there is no other film in its place.
     pub fn render(
-        &self,
+        &mut self,
         scene: &LoadedScene,
         settings: &Settings,
         learner: &mut dyn Learner,
         signals: &Signals,
         bar: &ProgressBar,
     ) -> Result<Frame, Failure> {
-        let film = match self.arguments.resume {
-            true => checkpoint::read(&checkpoint::path(self.exr), &self.attributes).map_err(blame)?,
-            false => None,
-        };
+        let (file, film) = (checkpoint::path(self.exr), self.film()?);
         let saved = film.as_deref().map(Saved::new).transpose();
-        let saved = saved.map_err(|why| bad(Error::read(&checkpoint::path(self.exr), why)))?;
-        let can_be_kept = settings.stands_alone();
+        let saved = saved.map_err(|why| bad(Error::read(&file, why)))?;
+        let before = saved.map(|saved| saved.state().samples());
+        let can_be_kept = settings.stands_alone() && (saved.is_some() || !file.exists());
         let mut keeper = Keeper::new(self.exr, &self.attributes, self.arguments.checkpoint);
         let Render { live, common, .. } = self.arguments;
         let mut viewer = Viewer::begin(live.as_deref(), self.exr, settings, common.quiet)?;
@@ -93,6 +112,8 @@ impl Kept<'_> {
             done => {
                 let frame = done.map_err(blame)?;
                 viewer.show(&frame.rgb);
+                let samples = frame.tally.samples + frame.tally.rejected;
+                self.has_checkpoint = keeper.has_written() || before.is_some_and(|before| before < samples);
                 Ok(frame)
             }
         }

@@ -24,7 +24,7 @@ pub fn render_frame(arguments: &Render) -> Result<(), Failure> {
     look(&scene, &settings, &arguments.common)?;
     let signals = Signals::catch();
     let bar = progress::bar(settings.pixels(), known_spp(&settings, 1), arguments.common.quiet);
-    let kept = Kept { exr: &exr, attributes: attributes(&scene, &settings), arguments };
+    let mut kept = Kept::new(&exr, attributes(&scene, &settings), arguments);
     let frame = kept.render(&scene, &settings, &mut (), &signals, &bar)?;
     bar.finish_and_clear();
     let picture = frame.picture(&settings, &scene);

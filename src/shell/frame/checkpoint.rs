@@ -29,6 +29,7 @@ pub struct Keeper<'a> {
     attributes: &'a BTreeMap<String, String>,
     every: Option<Duration>,
     last: Instant,
+    written: bool,
 }
 
 impl<'a> Keeper<'a> {
@@ -36,10 +37,11 @@ impl<'a> Keeper<'a> {
     /// it wrote last, and when the frame is interrupted.
     pub fn new(exr: &Path, attributes: &'a BTreeMap<String, String>, every: Option<f32>) -> Self {
         let every = every.map(|seconds| Duration::try_from_secs_f32(seconds).unwrap_or(Duration::MAX));
-        Keeper { path: path(exr), attributes, every, last: Instant::now() }
+        Keeper { path: path(exr), attributes, every, last: Instant::now(), written: false }
     }
 
-    /// Is shown the film after every iteration, and in the middle of one if it is interrupted: as [`render_while`](super::render::render_while) shows it.
+    /// Is shown the film after every iteration, and in the middle of one if it is interrupted, as
+    /// [`render_while`](super::render::render_while) shows it.
     ///
     /// # Errors
     /// [`Error::Write`], and [`Error::Work`] if memory is lacking.
@@ -49,13 +51,18 @@ impl<'a> Keeper<'a> {
             return Ok(());
         }
         write(&self.path, self.attributes, &bytes(film)?)?;
-        self.last = Instant::now();
+        (self.last, self.written) = (Instant::now(), true);
         Ok(())
     }
 
     /// The file.
     pub fn path(&self) -> &Path {
         &self.path
+    }
+
+    /// Whether it has written that.
+    pub fn has_written(&self) -> bool {
+        self.written
     }
 }
 

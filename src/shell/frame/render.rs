@@ -258,7 +258,7 @@ fn render_iterations(
         None => Sampler::new(film, memory).map_err(Error::setting)?,
     };
     progress(sampler.samples());
-    let mut tally = Tally { samples: sampler.samples(), rejected: 0 };
+    let mut tally = sampler.tally();
     let predicted = learner.predicts().then(|| settings.predicted_schedule());
     let plain = predicted.is_none().then(|| settings.schedule());
     let schedule = predicted.into_iter().flatten().chain(plain.into_iter().flatten());
