@@ -40,8 +40,7 @@ struct Report {
 }
 
 pub fn bake_lightmap(arguments: &Bake) -> Result<(), Failure> {
-    let Bake { source, quiet, threads, .. } = arguments;
-    let loader = Loader { source, eye: Eye::default(), quiet: *quiet, threads: *threads };
+    let loader = Loader { source: &arguments.source, eye: Eye::default(), quiet: arguments.quiet };
     let trial = |scene: &LoadedScene| settings(arguments, scene, None);
     let scene = loader.load(arguments.exposure, trial)?.into_scene();
     let exr = &arguments.output;

@@ -10,8 +10,7 @@ use std::path::Path;
 /// Loads a scene that can be rendered, and passes on what the loader noticed. One that its own light leaves in the dark, at
 /// an exposure that is the scene's where none is given, gets a light of last resort, if it is no scene file and may have one.
 pub fn load(common: &Common, exposure: Option<f32>) -> Result<Animation, Failure> {
-    let Common { source, quiet, threads, .. } = common;
-    let loader = Loader { source, eye: eye(common), quiet: *quiet, threads: *threads };
+    let loader = Loader { source: &common.source, eye: eye(common), quiet: common.quiet };
     loader.load(exposure, |scene| path_settings(scene, common, Method::Uniform, None))
 }
 
@@ -22,8 +21,6 @@ pub struct Loader<'a> {
     pub eye: Eye,
     /// Whether warnings are kept back.
     pub quiet: bool,
-    /// Threads that build the hierarchy, all there are if that is `None`.
-    pub threads: Option<usize>,
 }
 
 impl Loader<'_> {
@@ -33,10 +30,6 @@ impl Loader<'_> {
         exposure: Option<f32>,
         trial: impl Fn(&LoadedScene) -> Settings,
     ) -> Result<Animation, Failure> {
-        if let Some(threads) = self.threads {
-            // It is built on the pool that all share; where there is one already nothing changes.
-            let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
-        }
         let Source { scene: path, light, strict, sky } = self.source;
         let mut options = Options { strict: *strict, light: *light, eye: self.eye };
         if let Some(file) = sky {
