@@ -56,9 +56,13 @@ fn chunks_of_frames_are_those_of_one_run() {
 #[test]
 fn seeds_of_a_frame_are_merged() {
     let room = room();
-    let render = ["--", "render", "my room.toml", "--spp", "4", "--seed", "5", "-o", "f.exr"];
+    let render =
+        ["--", "render", "my room.toml", "--spp=4", "--seed=5", "-of.exr", "--quiet", "--threads", "2"];
     let script = pmcip(room.path(), &[&["farm", "slurm", "--seeds", "3"], &render[..]].concat());
-    assert!(script.contains("#SBATCH --array=5-7\n"), "{script}");
+    assert!(
+        script.contains("#SBATCH --array=5-7\n") && script.contains("{SLURM_CPUS_PER_TASK:-2}"),
+        "{script}"
+    );
     (5..=7).for_each(|number| task(room.path(), &script, number));
     let merge = script.lines().find_map(|line| line.strip_prefix("#   pmcip ")).unwrap();
     assert!(success(room.path(), merge).contains("3 films, 4896 samples"));
@@ -85,6 +89,7 @@ fn what_cannot_be_divided_is_refused() {
     fs::rename(room.path().join("my room.toml"), room.path().join("room.toml")).unwrap();
     failure(room.path(), "farm slurm -- render room.toml", 2, "one frame is divided by --seeds");
     failure(room.path(), "farm slurm --seeds 2 -- render room.toml --frames ..", 2, "give no --frames");
+    failure(room.path(), "farm slurm -- render room.toml --frames .. --video w.mp4", 2, "are of a whole run");
     failure(room.path(), "farm slurm -- info room.toml", 2, "only `render` can be divided");
     failure(room.path(), "farm slurm -- render room.toml --sppp 4", 2, "unexpected argument '--sppp'");
     failure(

@@ -11,9 +11,9 @@ use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
 /// Options by which a task differs from the render asked for; they are taken out of that.
-const DIVIDED: [&str; 5] = ["--frames", "--seed", "--output", "-o", "--checkpoint"];
+const DIVIDED: [&str; 6] = ["--frames", "--seed", "--output", "-o", "--checkpoint", "--threads"];
 /// The same without a value.
-const FLAGS: [&str; 2] = ["--resume", "--film"];
+const FLAGS: [&str; 3] = ["--resume", "--film", "--quiet"];
 
 /// Stands for a task's frames or seed: no argument can have it.
 const PART: &str = "\0";
@@ -24,6 +24,8 @@ struct Tasks {
     command: Vec<String>,
     name: PathBuf,
     by: Division,
+    /// Threads of a task, if that is said.
+    threads: Option<usize>,
 }
 
 enum Division {
@@ -54,6 +56,9 @@ fn first_line(text: &str) -> &str {
 }
 
 fn tasks(arguments: &Farm, render: &Render) -> Result<Tasks, Failure> {
+    if render.missing || render.video.is_some() || render.live.is_some() {
+        return Err(bad("--missing, --video and --live are of a whole run: not of its tasks"));
+    }
     let animation = load(&render.common, render.exposure)?;
     let name = output_name(render, animation.scene());
     let by = match (&render.frames, arguments.seeds) {
@@ -68,7 +73,7 @@ fn tasks(arguments: &Farm, render: &Render) -> Result<Tasks, Failure> {
             Division::Frames(frames.chunks(arguments.chunk as usize).map(sequence::compact).collect())
         }
     };
-    Ok(Tasks { command: common(&arguments.render), name, by })
+    Ok(Tasks { command: common(&arguments.render), name, by, threads: render.common.threads })
 }
 
 /// The words of a command without those that differ from task to task.
@@ -76,7 +81,9 @@ fn common(words: &[String]) -> Vec<String> {
     let mut kept = Vec::new();
     let mut words = words.iter();
     while let Some(word) = words.next() {
-        let has = |name: &str| word.strip_prefix(name).is_some_and(|rest| rest.starts_with('='));
+        // `--name=value`, and `-ovalue`.
+        let has =
+            |name: &str| word.strip_prefix(name).is_some_and(|rest| rest.starts_with('=') || name == "-o");
         if DIVIDED.contains(&word.as_str()) {
             words.next();
         } else if !FLAGS.contains(&word.as_str()) && !DIVIDED.iter().any(|name| has(name)) {
@@ -103,6 +110,7 @@ impl Tasks {
             Division::Seeds(..) => ("--seed", of_seed(&self.name, part)),
         };
         let mut words = self.command.clone();
+        words.push("--quiet".into());
         words.extend([option.into(), part.into(), "-o".into(), name.display().to_string()]);
         words.extend(["--resume".into(), "--checkpoint".into(), checkpoint.to_string()]);
         if let Division::Seeds(..) = self.by {
@@ -122,7 +130,7 @@ impl Tasks {
     /// A script for `sbatch`: an array of tasks. One that is preempted leaves a checkpoint and is queued again.
     fn slurm(&self, checkpoint: f32) -> String {
         let title = quoted(&self.name.file_stem().unwrap_or_default().to_string_lossy());
-        let words = self.words(checkpoint, PART);
+        let (words, threads) = (self.words(checkpoint, PART), self.threads.unwrap_or(1));
         let line = words.iter().map(|word| with_part(word)).collect::<Vec<_>>().join(" ");
         let (tasks, parts, last) = match &self.by {
             Division::Frames(frames) => {
@@ -139,7 +147,7 @@ impl Tasks {
         format!(
             "#!/bin/sh\n#SBATCH --job-name={title}\n#SBATCH --array={tasks}\n#SBATCH --requeue\n\
              #SBATCH --signal=TERM@60\n# Add what your site asks for: --time, --cpus-per-task, --mem, --partition.\n{last}\
-             set -eu\n{parts}exec pmcip {line} --threads \"${{SLURM_CPUS_PER_TASK:-1}}\" --quiet\n"
+             set -eu\n{parts}exec pmcip {line} --threads \"${{SLURM_CPUS_PER_TASK:-{threads}}}\"\n"
         )
     }
 
@@ -154,10 +162,12 @@ impl Tasks {
                 (json!({ "name": "Part", "type": "INT", "range": range }), Some(self.merge(*count, *first)))
             }
         };
+        let mut words = self.words(checkpoint, "{{Task.Param.Part}}");
+        words.extend(self.threads.iter().flat_map(|threads| ["--threads".to_owned(), threads.to_string()]));
         let render = json!({
             "name": "Render",
             "parameterSpace": { "taskParameterDefinitions": [parameter] },
-            "script": script(self.words(checkpoint, "{{Task.Param.Part}}")),
+            "script": script(words),
         });
         let merge = merge.map(|words| {
             json!({ "name": "Merge", "dependencies": [{ "dependsOn": "Render" }], "script": script(words) })
