@@ -174,6 +174,24 @@ fn a_folder_that_vanishes_is_an_error() {
     assert!(said.contains("cannot write out/a.film: no such file or folder"), "{said}");
 }
 
+#[test]
+fn a_checkpoint_that_cannot_be_written_ends_nothing() {
+    let room = room();
+    let [out, away] = ["out", "away"].map(|name| room.path().join(name));
+    fs::create_dir(&out).unwrap();
+    let render = "render room.toml --spp 2048 --iterations 256 --checkpoint 0 -o out/a.exr";
+    let child = start(room.path(), render);
+    sleep(Duration::from_millis(300));
+    fs::rename(&out, &away).unwrap();
+    sleep(Duration::from_millis(300));
+    fs::rename(&away, &out).unwrap();
+    let Output { status, stderr, .. } = child.wait_with_output().unwrap();
+    let said = String::from_utf8(stderr).unwrap();
+    assert!(status.success(), "{said}");
+    assert_eq!(said.matches("warning: no checkpoint: cannot write out/a.film").count(), 1, "{said}");
+    assert!(out.join("a.exr").exists() && !out.join("a.film").exists());
+}
+
 /// A disk that is full, where the tests may make one.
 #[test]
 fn a_full_disk_leaves_nothing_half_done() {

@@ -1,7 +1,7 @@
 //! A frame that leaves what there is of it on disk, and goes on from that.
 
 use super::arguments::Render;
-use super::common::{Failure, bad, blame, failed};
+use super::common::{Failure, bad, blame, failed, note};
 use super::signals::Signals;
 use super::viewer::Viewer;
 use indicatif::ProgressBar;
@@ -88,9 +88,16 @@ impl<'a> Kept<'a> {
         let Render { live, common, .. } = self.arguments;
         let mut viewer = Viewer::begin(live.as_deref(), self.exr, settings, common.quiet)?;
         let progress = |samples| bar.inc(samples);
+        let mut is_told = false;
         let mut go_on = |film: &Sampler<'_>| {
-            if can_be_kept {
-                keeper.look(film)?;
+            if can_be_kept && let Err(why) = keeper.look(film) {
+                // Hours of work do not end with a checkpoint that finds no room: the next one may.
+                if film.is_running() {
+                    return Err(why);
+                }
+                if !std::mem::replace(&mut is_told, true) {
+                    note(common, format!("warning: no checkpoint: {why}"));
+                }
             }
             viewer.look(film);
             Ok(true)
