@@ -99,11 +99,23 @@ fn no_light_leaks_from_a_bright_island_into_a_dark_one() {
         .collect();
     let most = truths.values().fold(0.0, |most: f64, truth| most.max(*truth));
     let baked = lightmap(&scene, &atlas, Method::Pmc, Estimator::Guided, (16, 1));
-    // A thousandth of the bright one would double it. Few samples go there: single texels have noise, their mean has little.
     let value = |i: usize| f64::from(baked.irradiance[i][0]);
-    let mean = truths.keys().map(|i| value(*i)).sum::<f64>() / truths.values().sum::<f64>() - 1.0;
-    let worst = truths.iter().map(|(i, truth)| (value(*i) - truth).abs() / most).fold(0.0, f64::max);
+    let off = |value: &dyn Fn(usize) -> f64| {
+        let mean = truths.keys().map(|i| value(*i)).sum::<f64>() / truths.values().sum::<f64>() - 1.0;
+        (mean, truths.iter().map(|(i, truth)| (value(*i) - truth).abs() / most).fold(0.0, f64::max))
+    };
+    // A thousandth of the bright one would double it. Few samples go there: single texels have noise, their mean has little.
+    let (mean, worst) = off(&value);
     assert!(mean.abs() < 0.01 && worst < 0.5, "mean {mean}, worst {worst}");
+    // A filter that knows no islands does not pass.
+    let reach = 2 * GUTTER as usize + 2;
+    let blurred = |i: usize| {
+        let near: Vec<f64> =
+            around(atlas.size, i, reach).filter(|k| atlas.labels[*k] != 0).map(value).collect();
+        near.iter().sum::<f64>() / near.len() as f64
+    };
+    let (mean, worst) = off(&blurred);
+    assert!(mean > 0.1 && worst > 5.0, "blurred: mean {mean}, worst {worst}");
     // What a bilinear filter finds beside it, too.
     for i in texels().filter(|i| around(atlas.size, *i, 1).any(|k| atlas.labels[k] == dark)) {
         assert!(value(i) < 1.5 * most, "{i}: {}", value(i));
