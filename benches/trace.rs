@@ -45,6 +45,7 @@ fn primary(camera: &Camera) -> Vec<Rays8> {
         origin: Vec3x8::splat(camera.origin()),
         direction: camera.directions(b.x, b.y),
         t_max: f32x8::splat(f32::INFINITY),
+        ..Rays8::default()
     };
     batches().iter().map(rays).collect()
 }
@@ -64,6 +65,7 @@ fn bounced(tracer: &mut Tracer<'_>, primary: &[Rays8]) -> Vec<Rays8> {
             origin: rays.origin + rays.direction * (hits.t * f32x8::splat(0.999)),
             direction: Vec3x8::new(r * cos, r * sin, z),
             t_max: hit.select(endless, f32x8::splat(-1.0)),
+            ..Rays8::default()
         }
     };
     primary.iter().enumerate().map(bounce).collect()

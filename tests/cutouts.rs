@@ -143,8 +143,15 @@ fn list_lights(scene: &mut LoadedScene) {
     scene.light_nodes = vec![LightNode8::default(); light_tree::required(used)];
     let mut order = vec![0; used];
     let (lights, nodes) = (&mut scene.lights, &mut scene.light_nodes);
-    let used =
-        light_tree::build(&scene.triangles, &scene.surfaces, &scene.materials, lights, &mut order, nodes);
+    let used = light_tree::build(
+        &scene.triangles,
+        &[],
+        &scene.surfaces,
+        &scene.materials,
+        lights,
+        &mut order,
+        nodes,
+    );
     scene.light_nodes.truncate(used);
 }
 

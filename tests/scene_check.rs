@@ -2,8 +2,8 @@
 
 use pmcip_core::tracer::scene::light;
 use pmcip_core::tracer::scene::{
-    Error, Leaf8, Light, LightNode8, MAX_DEPTH, MIN_ROUGHNESS, Material, NO_TEXTURE, Node8, Scene, SceneData,
-    Surface, Texture, Triangle,
+    Error, Leaf8, Light, LightNode8, MAX_DEPTH, MIN_ROUGHNESS, Material, Motion, NO_TEXTURE, Node8, Scene,
+    SceneData, Surface, Texture, Triangle,
 };
 
 /// A valid scene of one lit triangle, changed by `change` before it is checked.
@@ -22,6 +22,11 @@ fn checked(change: impl FnOnce(&mut Parts)) -> Result<(), Error> {
         lights: &parts.lights,
         light_nodes: &parts.light_nodes,
         sky: None,
+        motion: parts.closing.as_ref().map(|triangle| Motion {
+            triangles: std::slice::from_ref(triangle),
+            leaves: &parts.closing_leaves,
+            normals: &parts.closing_normals,
+        }),
     };
     Scene::new(data).map(|_| ())
 }
@@ -37,6 +42,9 @@ struct Parts {
     texels: Vec<[f32; 3]>,
     lights: Vec<Light>,
     light_nodes: Vec<LightNode8>,
+    closing: Option<Triangle>,
+    closing_leaves: Vec<Leaf8>,
+    closing_normals: Vec<[[f32; 3]; 3]>,
 }
 
 impl Parts {
@@ -53,7 +61,17 @@ impl Parts {
             texels: vec![[1.0; 3]; 2],
             lights: vec![Light { triangle: 0, cumulative: 1.0, path: 0 }],
             light_nodes: vec![],
+            closing: None,
+            closing_leaves: vec![],
+            closing_normals: vec![],
         }
+    }
+
+    /// The triangle moves to `closing` while the shutter is open.
+    fn move_to(&mut self, closing: Triangle) {
+        self.closing = Some(closing);
+        self.closing_leaves = vec![Leaf8::new(0, &[closing])];
+        self.closing_normals = vec![[[0.0; 3]; 3]];
     }
 }
 
@@ -65,6 +83,24 @@ fn node(child: u32, count: u32) -> Node8 {
     }
     (node.child[0], node.count[0]) = (child, count);
     node
+}
+
+#[test]
+fn what_moves_must_be_held_all_along() {
+    let there = Triangle { corners: [[0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [0.0, 1.0, 1.0]] };
+    let beyond = Triangle { corners: [[0.0, 0.0, 2.0], [1.0, 0.0, 2.0], [0.0, 1.0, 2.0]] };
+    let moved = |change: fn(&mut Parts), to: Triangle| {
+        checked(|parts| {
+            parts.move_to(to);
+            change(parts);
+        })
+    };
+    assert_eq!(moved(|_| (), there), Ok(()));
+    assert_eq!(moved(|_| (), beyond), Err(Error::Bounds(0)));
+    assert_eq!(moved(|p| p.closing_leaves[0] = p.leaves[0], there), Err(Error::Leaf(0)));
+    assert_eq!(moved(|p| p.closing_leaves.clear(), there), Err(Error::Motion));
+    assert_eq!(moved(|p| p.closing_normals.clear(), there), Err(Error::Motion));
+    assert_eq!(moved(|p| p.closing_normals[0][1][2] = f32::NAN, there), Err(Error::Motion));
 }
 
 /// The same child in slot 1, with nothing in slot 0.

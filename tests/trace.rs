@@ -15,7 +15,7 @@ fn packet(rays: &[Ray; 8]) -> Rays8 {
     let vector = |of: fn(&Ray) -> [f32; 3]| {
         Vec3x8::new(lanes(&|r| of(r)[0]), lanes(&|r| of(r)[1]), lanes(&|r| of(r)[2]))
     };
-    Rays8 { origin: vector(|r| r.0), direction: vector(|r| r.1), t_max: lanes(&|r| r.2) }
+    Rays8 { origin: vector(|r| r.0), direction: vector(|r| r.1), t_max: lanes(&|r| r.2), ..Rays8::default() }
 }
 
 /// Distance and smallest barycentric weight of the intersection, by Cramer's rule in double precision.
@@ -76,6 +76,42 @@ fn packets_find_what_a_plain_search_finds() {
             }
         }
     }
+}
+
+/// Triangles on straight ways are met where each ray's own time finds them, by packets and by single rays.
+#[test]
+fn what_moves_is_met_where_it_is_at_the_time_of_the_ray() {
+    let mut random = Random::new(3);
+    for n in [1, 40, 3000] {
+        let (open, closing) = (soup(&mut random, n), soup(&mut random, n));
+        // Half of them stay.
+        let places = open.iter().zip(&closing).enumerate();
+        let closing: Vec<_> = places.map(|(i, (a, b))| if i % 2 == 0 { a.0 } else { b.0 }).collect();
+        let owned = Owned::moving(&open, &closing, vec![Material::default()]);
+        let mut tracer = Tracer::new(owned.scene());
+        for round in 0..50 {
+            let shared = random.direction();
+            let rays = [0; 8].map(|_| {
+                let direction = if round % 2 == 0 { random.direction() } else { shared };
+                (random.cube(), direction, [f32::INFINITY, 0.7, -1.0][(random.unit() * 2.2) as usize])
+            });
+            let time = [0; 8].map(|_| random.unit());
+            let packet = Rays8 { time: time.into(), ..packet(&rays) };
+            let (hits, occluded) = (tracer.closest(&packet), tracer.occluded(&packet));
+            for (lane, ray) in rays.iter().enumerate() {
+                let then: Vec<_> =
+                    owned.triangles.iter().zip(&owned.closing).map(|t| at(t, time[lane])).collect();
+                check_lane(&then, ray, hits.t.to_array()[lane], hits.triangle.to_array()[lane]);
+                assert_eq!(occluded >> lane & 1 == 1, hits.triangle.to_array()[lane] != MISS);
+            }
+        }
+    }
+}
+
+/// A triangle on its way.
+fn at((open, closing): (&Triangle, &Triangle), time: f32) -> Triangle {
+    let mix = |k: usize, c: usize| open.corners[k][c] + (closing.corners[k][c] - open.corners[k][c]) * time;
+    Triangle { corners: [0, 1, 2].map(|k| [0, 1, 2].map(|c| mix(k, c))) }
 }
 
 /// The nearest intersection that is not a matter of rounding must be the one reported.

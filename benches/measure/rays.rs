@@ -224,5 +224,10 @@ fn primary(loaded: &LoadedScene, random: &mut Random) -> Vec<One> {
 fn pack(rays: &[One]) -> Rays8 {
     let row = |of: &dyn Fn(&One) -> f32| f32x8::from(std::array::from_fn::<f32, 8, _>(|i| of(&rays[i])));
     let vector = |of: fn(&One) -> Vec3A| Vec3x8::new(row(&|r| of(r).x), row(&|r| of(r).y), row(&|r| of(r).z));
-    Rays8 { origin: vector(|r| r.origin), direction: vector(|r| r.direction), t_max: row(&|r| r.t_max) }
+    Rays8 {
+        origin: vector(|r| r.origin),
+        direction: vector(|r| r.direction),
+        t_max: row(&|r| r.t_max),
+        ..Rays8::default()
+    }
 }

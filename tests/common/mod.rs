@@ -6,7 +6,7 @@ use pmcip_core::sampler::batch::{Batch8, Integrand, Rgb8};
 use pmcip_core::sampler::{Memory, Sampler, Schedule, Settings, Workspace};
 use pmcip_core::tracer::camera::Camera;
 use pmcip_core::tracer::scene::{
-    Leaf8, Light, LightNode8, Material, Node8, Scene, SceneData, Surface, Triangle,
+    Leaf8, Light, LightNode8, Material, Motion, Node8, Scene, SceneData, Surface, Triangle,
 };
 use pmcip_core::tracer::scene::{light, light_tree};
 use pmcip_core::tracer::shade::path::{Packet, PathTracer, Traffic};
@@ -52,13 +52,24 @@ pub struct Owned {
     pub materials: Vec<Material>,
     pub lights: Vec<Light>,
     pub light_nodes: Vec<LightNode8>,
+    /// The triangles and the leaves as the shutter closes, and normals; empty where nothing moves.
+    pub closing: Vec<Triangle>,
+    pub closing_leaves: Vec<Leaf8>,
+    pub closing_normals: Vec<[[f32; 3]; 3]>,
 }
 
 impl Owned {
     /// Builds hierarchy and lights over triangles with their material's index.
     pub fn new(parts: &[(Triangle, u32)], materials: Vec<Material>) -> Self {
+        Owned::moving(parts, &[], materials)
+    }
+
+    /// The same of triangles that are where `closing` says as the shutter closes.
+    pub fn moving(parts: &[(Triangle, u32)], closing: &[Triangle], materials: Vec<Material>) -> Self {
         let unordered: Vec<Triangle> = parts.iter().map(|p| p.0).collect();
-        let built = bvh::build(&unordered);
+        let built = bvh::build(&unordered, closing);
+        let closing: Vec<Triangle> =
+            built.order.iter().filter_map(|&i| closing.get(i as usize)).copied().collect();
         let ordered = || built.order.iter().map(|&i| parts[i as usize]);
         let triangles: Vec<Triangle> = ordered().map(|p| p.0).collect();
         let surfaces: Vec<Surface> =
@@ -68,8 +79,15 @@ impl Owned {
         lights.truncate(used);
         let mut light_nodes = vec![LightNode8::default(); light_tree::required(used)];
         let mut order = vec![0; used];
-        let used =
-            light_tree::build(&triangles, &surfaces, &materials, &mut lights, &mut order, &mut light_nodes);
+        let used = light_tree::build(
+            &triangles,
+            &closing,
+            &surfaces,
+            &materials,
+            &mut lights,
+            &mut order,
+            &mut light_nodes,
+        );
         light_nodes.truncate(used);
         Owned {
             nodes: built.nodes,
@@ -79,6 +97,9 @@ impl Owned {
             materials,
             lights,
             light_nodes,
+            closing_normals: vec![[[0.0; 3]; 3]; closing.len()],
+            closing,
+            closing_leaves: built.moved_leaves,
         }
     }
 
@@ -91,6 +112,11 @@ impl Owned {
             materials: &self.materials,
             lights: &self.lights,
             light_nodes: &self.light_nodes,
+            motion: (!self.closing.is_empty()).then_some(Motion {
+                triangles: &self.closing,
+                leaves: &self.closing_leaves,
+                normals: &self.closing_normals,
+            }),
             ..SceneData::default()
         })
         .unwrap()

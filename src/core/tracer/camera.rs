@@ -5,9 +5,10 @@
 //! places for each sample, its film likewise.
 
 use crate::maths::functions::sin_cos_turn;
+use crate::maths::sobol;
 use crate::maths::vec3::{self, Vec3x8};
 use crate::sampler::batch::Batch8;
-use wide::f32x8;
+use wide::{f32x8, u32x8};
 
 /// Why a camera cannot be made.
 #[non_exhaustive]
@@ -45,6 +46,12 @@ impl core::error::Error for Error {}
 /// Set of the points on the lens, and of the times: beyond those that paths use.
 const LENS_SET: u32 = u32::MAX;
 const TIME_SET: u32 = u32::MAX - 1;
+
+/// When eight samples are, as parts of the time in which the shutter is open.
+#[inline(never)]
+pub(super) fn time(index: u32x8, key: u32x8) -> f32x8 {
+    sobol::point(index, key, TIME_SET).0
+}
 
 /// A camera with square pixels: a pinhole, unless it is [given a lens](Self::with_lens).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -177,7 +184,7 @@ impl Camera {
     fn distributed(&self, samples: &Batch8) -> Primary {
         let mut film = self.film.splat();
         if let Some(end) = self.end {
-            film = film.towards(end.splat(), samples.point(TIME_SET).0);
+            film = film.towards(end.splat(), time(samples.index, samples.key));
         }
         let (u, v) = samples.point(LENS_SET);
         let (sin, cos) = sin_cos_turn(v);

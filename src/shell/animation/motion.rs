@@ -102,7 +102,7 @@ impl Motion {
             let columns = f32x8::new(std::array::from_fn(|lane| (x + lane as u32) as f32 + 0.5));
             let direction = now.directions(columns, f32x8::splat(y as f32 + 0.5));
             let origin = Vec3x8::splat(now.origin());
-            let rays = Rays8 { origin, direction, t_max: f32x8::splat(f32::INFINITY) };
+            let rays = Rays8 { origin, direction, t_max: f32x8::splat(f32::INFINITY), ..Rays8::default() };
             let hits = cutout::seen(&mut tracer, &rays);
             let [dx, dy, dz] = [direction.x, direction.y, direction.z].map(f32x8::to_array);
             let (t, triangle) = (hits.t.to_array(), hits.triangle.to_array());

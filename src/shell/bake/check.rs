@@ -111,7 +111,8 @@ fn look(
     let (u, v) = point(index, key, 0);
     let (x, y) = (f32x8::splat(x as f32) + u, f32x8::splat(y as f32) + v);
     let Primary { origin, direction } = camera.rays(&Batch8 { lanes: 8, x, y, index, key });
-    let hits = seen(tracer, &Rays8 { origin, direction, t_max: f32x8::splat(f32::INFINITY) });
+    let hits =
+        seen(tracer, &Rays8 { origin, direction, t_max: f32x8::splat(f32::INFINITY), ..Rays8::default() });
     let direction = [direction.x, direction.y, direction.z].map(f32x8::to_array);
     let (triangles, u, v) = (hits.triangle.to_array(), hits.u.to_array(), hits.v.to_array());
     let mut lit = Lit { whole: true, ..Lit::default() };

@@ -90,7 +90,7 @@ fn sees_only_backs(scene: &LoadedScene, settings: &Settings) -> Result<bool, Err
     Ok(starts.into_iter().all(|(x, y)| {
         let direction = camera.directions(columns + f32x8::splat(x), f32x8::splat(y));
         let origin = Vec3x8::splat(camera.origin());
-        let rays = Rays8 { origin, direction, t_max: f32x8::splat(f32::INFINITY) };
+        let rays = Rays8 { origin, direction, t_max: f32x8::splat(f32::INFINITY), ..Rays8::default() };
         let hit = tracer.closest(&rays).triangle.to_array();
         let [dx, dy, dz] = [direction.x, direction.y, direction.z].map(f32x8::to_array);
         (0..8).all(|lane| is_back(scene, hit[lane], Vec3::new(dx[lane], dy[lane], dz[lane])))

@@ -46,18 +46,21 @@ pub struct Animation {
     objects: Vec<Object>,
     /// Where the coordinates of each object begin.
     homes: Vec<DVec3>,
+    /// Where each object stands as the shutter closes.
+    closing: Vec<Placement>,
 }
 
 impl Animation {
-    /// Takes a scene whose objects stand where `script` wants them in `frame`.
+    /// Takes a scene whose objects stand where `script` wants them in `frame`, and where they stand as its shutter closes.
     pub(super) fn new(
         scene: LoadedScene,
         objects: Vec<Object>,
         script: Script,
         frame: u32,
+        closing: Vec<Placement>,
     ) -> Result<Animation, Error> {
         let homes = objects.iter().map(|object| object.home).collect();
-        let mut animation = Animation { scene, frame, script, objects, homes };
+        let mut animation = Animation { scene, frame, script, objects, homes, closing };
         if !animation.script.moves() {
             animation.objects = Vec::new();
         }
@@ -102,9 +105,10 @@ impl Animation {
         let mut change = Change { view: self.look(frame)?, light: self.shine(frame), geometry: None };
         if self.script.moves() {
             let start = Instant::now();
-            let placements = self.placements(frame)?;
-            if placements != self.scene.placements {
-                self.place(placements).map_err(|m| self.blame(frame, m))?;
+            let placements = self.placements(f64::from(frame))?;
+            let closing = self.placements(self.script.closes(frame))?;
+            if placements != self.scene.placements || closing != self.closing {
+                self.place(placements, closing).map_err(|m| self.blame(frame, m))?;
                 change.geometry = Some(start.elapsed().as_secs_f64());
             }
         }
@@ -127,7 +131,7 @@ impl Animation {
         let time = f64::from(frame);
         let camera = self.script.camera.as_ref().map(|camera| camera.at(time, self.origin())).transpose();
         let view = camera.map_err(|m| self.blame(frame, m))?.unwrap_or(self.scene.view);
-        let placements = self.placements(frame)?;
+        let placements = self.placements(time)?;
         Ok(Some(Pose { view, placements }))
     }
 
@@ -135,9 +139,9 @@ impl Animation {
         DVec3::from_array(self.scene.origin)
     }
 
-    /// Where all objects stand in a frame, in the scene's own coordinates.
-    fn placements(&self, frame: u32) -> Result<Vec<Placement>, Error> {
-        let placements = self.script.placements(frame).map_err(|m| self.blame(frame, m))?;
+    /// Where all objects stand at a time in frames, in the scene's own coordinates.
+    fn placements(&self, time: f64) -> Result<Vec<Placement>, Error> {
+        let placements = self.script.placements(time).map_err(|m| self.blame(time as u32, m))?;
         let seated = placements.iter().zip(&self.homes);
         Ok(seated.map(|(placement, home)| placement.seated(*home, self.origin())).collect())
     }
@@ -150,8 +154,7 @@ impl Animation {
     fn look(&mut self, frame: u32) -> Result<bool, Error> {
         let Some(camera) = &self.script.camera else { return Ok(false) };
         let at = |time: f64| camera.at(time, self.origin()).map_err(|m| self.blame(frame, m));
-        let (open, shutter) = (f64::from(frame), f64::from(self.script.shutter));
-        let (view, closing) = (at(open)?, at(open + shutter)?);
+        let (view, closing) = (at(f64::from(frame))?, at(self.script.closes(frame))?);
         self.scene.closing_view = (closing != view).then_some(closing);
         Ok(std::mem::replace(&mut self.scene.view, view) != view)
     }
@@ -169,13 +172,13 @@ impl Animation {
     }
 
     /// Moves the objects.
-    fn place(&mut self, placements: Vec<Placement>) -> Result<(), &'static str> {
-        let geometry = pose::pose(&self.objects, &placements)?;
+    fn place(&mut self, placements: Vec<Placement>, closing: Vec<Placement>) -> Result<(), &'static str> {
+        let geometry = pose::pose(&self.objects, &placements, &closing)?;
         let scene = &mut self.scene;
         (scene.nodes, scene.leaves, scene.triangles) = (geometry.nodes, geometry.leaves, geometry.triangles);
         (scene.surfaces, scene.objects) = (geometry.surfaces, geometry.objects);
         (scene.colours, scene.second_uvs) = (geometry.colours, geometry.second);
-        scene.placements = placements;
+        (scene.placements, scene.moved, self.closing) = (placements, geometry.moved, closing);
         geometry.warnings.into_iter().for_each(|warning| scene.warn(warning));
         Ok(())
     }
@@ -192,6 +195,7 @@ impl Animation {
         let mut order = vec![0; used];
         let used = light_tree::build(
             &scene.triangles,
+            &scene.moved.triangles,
             &scene.surfaces,
             &scene.materials,
             &mut scene.lights,

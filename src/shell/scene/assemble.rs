@@ -177,7 +177,8 @@ impl Assembly {
         let placements = script.placements(frame).map_err(blame)?;
         let origin = self.origin(&placements);
         let mut placements = self.seated(&placements, origin);
-        let mut geometry = pose::place(&self.objects, &placements).map_err(blame)?;
+        let mut closing = self.seated(&script.placements(script.closes(frame)).map_err(blame)?, origin);
+        let mut geometry = pose::place(&self.objects, &placements, &closing).map_err(blame)?;
         let view = match &script.camera {
             Some(camera) => camera.at(f64::from(frame), origin).map_err(blame)?,
             None => frame_view(geometry.bounds, shot.width, shot.height),
@@ -201,7 +202,8 @@ impl Assembly {
                 self.add_lamp(path, &eye, &geometry, origin);
                 script.paths.push(ObjectTrack::Still);
                 placements.push(Placement::IDENTITY);
-                geometry = pose::place(&self.objects, &placements).map_err(blame)?;
+                closing.push(Placement::IDENTITY);
+                geometry = pose::place(&self.objects, &placements, &closing).map_err(blame)?;
             } else {
                 sky = Some(SkyMap::soft(&eye));
             }
@@ -221,6 +223,7 @@ impl Assembly {
             second_uvs: geometry.second,
             objects: geometry.objects,
             placements,
+            moved: geometry.moved,
             materials: self.materials,
             textures,
             texels,
@@ -238,7 +241,7 @@ impl Assembly {
             warnings: self.warnings,
         };
         geometry.warnings.into_iter().for_each(|warning| scene.warn(warning));
-        Animation::new(scene, self.objects, script, frame)
+        Animation::new(scene, self.objects, script, frame, closing)
     }
 
     /// Names lamps that shine away from everything.

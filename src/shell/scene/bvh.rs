@@ -14,6 +14,8 @@ pub struct Bvh {
     pub nodes: Vec<Node8>,
     /// Leaves of the nodes.
     pub leaves: Vec<Leaf8>,
+    /// The same of the triangles as the shutter closes; none if they stand still.
+    pub moved_leaves: Vec<Leaf8>,
     /// `order[i]` is the original index of the `i`-th triangle in leaf order.
     pub order: Vec<u32>,
 }
@@ -38,26 +40,57 @@ const BY_COUNT: usize = MAX_DEPTH - 11;
 /// that no ray slips between a box and the triangle on its face.
 const PADDING: f32 = 1.0 / (1 << 20) as f32;
 
-/// Builds the hierarchy over `triangles`. An empty slice gives an empty one.
-pub fn build(triangles: &[Triangle]) -> Bvh {
-    if triangles.is_empty() {
-        return Bvh { nodes: Vec::new(), leaves: Vec::new(), order: Vec::new() };
+/// Triangles as the shutter opens and, unless they stand still, as it closes.
+#[derive(Clone, Copy)]
+struct Triangles<'a> {
+    open: &'a [Triangle],
+    closing: &'a [Triangle],
+}
+
+impl Triangles<'_> {
+    /// All corners of a triangle.
+    fn corners(&self, i: u32) -> impl Iterator<Item = Vec3A> {
+        let closing = self.closing.get(i as usize);
+        let triangles = [&self.open[i as usize]].into_iter().chain(closing);
+        triangles.flat_map(|triangle| triangle.corners).map(Vec3A::from_array)
     }
-    let heaps = heaps(triangles);
-    let input: Vec<BuildTriangle> = heaps
-        .first
-        .iter()
-        .map(|i| {
-            let [v0, v1, v2] = triangles[*i as usize].corners.map(Vec3A::from_array);
-            BuildTriangle { v0, v1, v2 }
-        })
-        .collect();
+
+    /// The box around a triangle on all of its way.
+    fn bounds(&self, i: u32) -> (Vec3A, Vec3A) {
+        hull(self.corners(i))
+    }
+
+    /// What the tree is made of: the triangle, or if it may move one that is as wide as all of its way.
+    fn input(&self, i: u32) -> BuildTriangle {
+        if self.closing.is_empty() {
+            let [v0, v1, v2] = self.open[i as usize].corners.map(Vec3A::from_array);
+            return BuildTriangle { v0, v1, v2 };
+        }
+        let (v0, v1) = self.bounds(i);
+        BuildTriangle { v0, v1, v2: v0 }
+    }
+}
+
+/// The box around points.
+fn hull(points: impl Iterator<Item = Vec3A>) -> (Vec3A, Vec3A) {
+    points.fold((Vec3A::INFINITY, Vec3A::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)))
+}
+
+/// Builds the hierarchy over `triangles`, which are where `closing` says as the shutter closes; that is empty if they stand
+/// still. Without triangles it is empty.
+pub fn build(triangles: &[Triangle], closing: &[Triangle]) -> Bvh {
+    if triangles.is_empty() {
+        return Bvh { nodes: Vec::new(), leaves: Vec::new(), moved_leaves: Vec::new(), order: Vec::new() };
+    }
+    let triangles = Triangles { open: triangles, closing };
+    let heaps = heaps(&triangles);
+    let input: Vec<BuildTriangle> = heaps.first.iter().map(|i| triangles.input(*i)).collect();
     let mut params = BvhBuildParams::medium_build();
     params.max_prims_per_leaf = 1;
     let tree = build_bvh2_from_tris(&input, params, &mut Duration::default());
-    let coordinates = triangles.iter().flat_map(|t| t.corners.as_flattened());
+    let coordinates = triangles.open.iter().chain(closing).flat_map(|t| t.corners.as_flattened());
     let padding = PADDING * coordinates.fold(0.0f32, |m, v| m.max(v.abs()));
-    let triangle_cost = if triangles.len() <= FEW { TRIANGLE_COST_OF_FEW } else { TRIANGLE_COST };
+    let triangle_cost = if triangles.open.len() <= FEW { TRIANGLE_COST_OF_FEW } else { TRIANGLE_COST };
     let plans = plans(&tree, triangle_cost);
     let mut collapse = Collapse {
         tree: &tree,
@@ -67,10 +100,12 @@ pub fn build(triangles: &[Triangle]) -> Bvh {
         padding,
         nodes: Vec::new(),
         leaves: Vec::new(),
+        moved_leaves: Vec::new(),
         order: Vec::new(),
     };
     collapse.node(0, 0);
-    Bvh { nodes: collapse.nodes, leaves: collapse.leaves, order: collapse.order }
+    let Collapse { nodes, leaves, moved_leaves, order, .. } = collapse;
+    Bvh { nodes, leaves, moved_leaves, order }
 }
 
 /// Triangles of which many have the same box: no tree tells them apart, and looking for one would take for ever.
@@ -85,36 +120,35 @@ struct Heaps {
 const HEAP: u32 = 64;
 
 /// Finds heaps: boxes are counted by a hash, and compared where that says they are many.
-fn heaps(triangles: &[Triangle]) -> Heaps {
+fn heaps(triangles: &Triangles<'_>) -> Heaps {
     const BUCKETS: usize = 1 << 20;
-    let bucket = |triangle: &Triangle| {
+    let number = triangles.open.len();
+    let bucket = |triangle: u32| {
         let mix = |hash: u64, bits: u32| {
             (hash ^ u64::from(bits)).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29)
         };
-        bounds(triangle).into_iter().fold(0, mix) as usize % BUCKETS
+        bits(triangles.bounds(triangle)).into_iter().fold(0, mix) as usize % BUCKETS
     };
     let mut counts = vec![0u32; BUCKETS];
-    triangles.iter().for_each(|triangle| counts[bucket(triangle)] += 1);
-    let many = HEAP + 4 * (triangles.len() / BUCKETS) as u32;
+    (0..number as u32).for_each(|triangle| counts[bucket(triangle)] += 1);
+    let many = HEAP + 4 * (number / BUCKETS) as u32;
     let mut firsts: HashMap<[u32; 6], Vec<u32>> = HashMap::new();
-    for (i, triangle) in (0..).zip(triangles).filter(|(_, triangle)| counts[bucket(triangle)] > many) {
-        firsts.entry(bounds(triangle)).or_default().push(i);
+    for i in (0..number as u32).filter(|i| counts[bucket(*i)] > many) {
+        firsts.entry(bits(triangles.bounds(i))).or_default().push(i);
     }
     let mut others: HashMap<u32, Vec<u32>> = HashMap::new();
     let mut is_other = Vec::new();
     for heap in firsts.into_values().filter(|heap| heap.len() > HEAP as usize) {
-        is_other.resize(triangles.len(), false);
+        is_other.resize(number, false);
         heap[1..].iter().for_each(|i| is_other[*i as usize] = true);
         others.insert(heap[0], heap[1..].to_vec());
     }
     let stays = |i: &u32| !is_other.get(*i as usize).copied().unwrap_or(false);
-    Heaps { first: (0..triangles.len() as u32).filter(stays).collect(), others }
+    Heaps { first: (0..number as u32).filter(stays).collect(), others }
 }
 
-/// The bits of a triangle's box.
-fn bounds(triangle: &Triangle) -> [u32; 6] {
-    let [a, b, c] = triangle.corners.map(Vec3A::from_array);
-    let (low, high) = (a.min(b).min(c).to_array(), a.max(b).max(c).to_array());
+/// The bits of a box.
+fn bits((low, high): (Vec3A, Vec3A)) -> [u32; 6] {
     [low[0], low[1], low[2], high[0], high[1], high[2]].map(f32::to_bits)
 }
 
@@ -185,12 +219,13 @@ fn join(area: f32, triangle_cost: f32, a: &Plan, b: &Plan) -> Plan {
 
 struct Collapse<'a> {
     tree: &'a Bvh2,
-    triangles: &'a [Triangle],
+    triangles: Triangles<'a>,
     heaps: Heaps,
     plans: Vec<Plan>,
     padding: f32,
     nodes: Vec<Node8>,
     leaves: Vec<Leaf8>,
+    moved_leaves: Vec<Leaf8>,
     order: Vec<u32>,
 }
 
@@ -228,10 +263,7 @@ impl Collapse<'_> {
         self.nodes.push(Node8::EMPTY);
         let share = triangles.len().div_ceil(8).max(1);
         for (slot, part) in triangles.chunks(share).enumerate() {
-            let corners =
-                part.iter().flat_map(|i| self.triangles[*i as usize].corners).map(Vec3A::from_array);
-            let start = (Vec3A::INFINITY, Vec3A::NEG_INFINITY);
-            let (low, high) = corners.fold(start, |(low, high), p| (low.min(p), high.max(p)));
+            let (low, high) = hull(part.iter().flat_map(|i| self.triangles.corners(*i)));
             let child = self.leaf_of(part);
             self.set(index, slot, (low - self.padding, high + self.padding), child);
         }
@@ -280,9 +312,15 @@ impl Collapse<'_> {
         }
         let first = self.order.len();
         self.order.extend(order);
-        let triangles: Vec<Triangle> = order.iter().map(|i| self.triangles[*i as usize]).collect();
-        self.leaves.push(Leaf8::new(first as u32, &triangles));
-        (self.leaves.len() as u32 - 1, triangles.len() as u32)
+        let leaf = |all: &[Triangle]| {
+            let triangles: Vec<Triangle> = order.iter().map(|i| all[*i as usize]).collect();
+            Leaf8::new(first as u32, &triangles)
+        };
+        self.leaves.push(leaf(self.triangles.open));
+        if !self.triangles.closing.is_empty() {
+            self.moved_leaves.push(leaf(self.triangles.closing));
+        }
+        (self.leaves.len() as u32 - 1, order.len() as u32)
     }
 
     /// The triangles below `root`, from left to right. The binary tree may be as deep as there are triangles.

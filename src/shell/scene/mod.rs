@@ -87,8 +87,7 @@
 //! first = 1
 //! last = 100                  # included
 //! fps = 25                    # for a video; 24 is the default
-//! shutter = 0.5               # part of a frame in which the shutter is open, from the frame on: blurs what the camera
-//!                             # does, not what objects do
+//! shutter = 0.5               # part of a frame in which the shutter is open, from the frame on: blurs what moves
 //! ```
 //!
 //! # Keys
@@ -119,6 +118,9 @@
 //! | `spheres` | `center`, `radius` |
 //! | `lights` | `center`, `edge_u`, `edge_v`, `radiance`, `power` (a factor of the radiance, 1 if nothing is said) |
 //! | `materials` | `emission` |
+//!
+//! While the shutter is open, camera and objects go straight and evenly from where they are in the frame to where they are as
+//! it closes: what turns, along the chord. Emissions, `aperture` and `focus` are those of the frame.
 //!
 //! `smooth` runs through the keys without a corner, as a cubic whose tangents are those of parabolas through
 //! neighbouring keys, at the ends as well: two keys make an even motion in a straight line, and what shall start
@@ -156,7 +158,7 @@ mod view;
 pub use animation::{Animation, Change};
 pub use error::Error;
 pub use load::{load, load_lit};
-pub use model::{Frames, LoadedScene, MAX_SIZE, Pose, View};
+pub use model::{Frames, LoadedScene, MAX_SIZE, Moved, Pose, View};
 pub use options::{Eye, LightChoice, Options};
 pub use place::{Placement, Shift};
 pub use sky::SkyMap;

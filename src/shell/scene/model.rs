@@ -5,7 +5,7 @@ use super::place::Placement;
 use super::sky::SkyMap;
 pub use super::view::View;
 use pmcip_core::tracer::scene::{
-    Leaf8, Light, LightNode8, Material, Node8, SceneData, Surface, Texture, Triangle,
+    Leaf8, Light, LightNode8, Material, Motion, Node8, SceneData, Surface, Texture, Triangle,
 };
 use std::path::{Path, PathBuf};
 
@@ -19,6 +19,25 @@ pub struct Pose {
     pub view: View,
     /// Where each object stands.
     pub placements: Vec<Placement>,
+}
+
+/// Triangles as the shutter closes; nothing where they stand still.
+#[derive(Clone, Debug, Default)]
+pub struct Moved {
+    /// One for each triangle.
+    pub triangles: Vec<Triangle>,
+    /// One for each leaf of the hierarchy.
+    pub leaves: Vec<Leaf8>,
+    /// Shading normals at the corners of each triangle; zero where it is flat.
+    pub normals: Vec<[[f32; 3]; 3]>,
+}
+
+impl Moved {
+    /// As the core sees it.
+    fn lent(&self) -> Option<Motion<'_>> {
+        let Moved { triangles, leaves, normals } = self;
+        (!triangles.is_empty()).then_some(Motion { triangles, leaves, normals })
+    }
 }
 
 /// A scene in memory, ready to be lent to the core.
@@ -47,8 +66,10 @@ pub struct LoadedScene {
     pub second_uvs: Vec<[[f32; 2]; 3]>,
     /// The object of each triangle: meshes, then spheres, then lights, in the order of the scene file.
     pub objects: Vec<u32>,
-    /// Where each object stands.
+    /// Where each object stands; where the shutter is open for a time, as it opens.
     pub placements: Vec<Placement>,
+    /// The triangles as the shutter closes, if any moves until then.
+    pub moved: Moved,
     /// Materials.
     pub materials: Vec<Material>,
     /// Textures.
@@ -101,6 +122,7 @@ impl LoadedScene {
             lights: &self.lights,
             light_nodes: &self.light_nodes,
             sky: self.sky.as_ref().map(SkyMap::lent),
+            motion: self.moved.lent(),
         }
     }
 

@@ -1,6 +1,7 @@
 //! Puts the triangles of all objects where a frame wants them, and builds the hierarchy over them.
 
 use super::bvh;
+use super::model::Moved;
 use super::object::{Corner, NO_UVS, Object, Piece};
 use super::place::Placement;
 use glam::Vec3;
@@ -27,6 +28,8 @@ pub(super) struct Geometry {
     pub second: Vec<[[f32; 2]; 3]>,
     /// The object of each triangle.
     pub objects: Vec<u32>,
+    /// The triangles as the shutter closes.
+    pub moved: Moved,
     /// The box around all triangles.
     pub bounds: (Vec3, Vec3),
     pub warnings: Vec<String>,
@@ -39,12 +42,16 @@ struct Oddities {
     backward: usize,
 }
 
-/// Poses `objects`, each by its placement, and builds the hierarchy.
+/// Poses `objects`, each by its placement and that as the shutter closes, and builds the hierarchy.
 ///
 /// # Errors
 /// If nothing has an area, or a vertex is at infinity.
-pub(super) fn pose(objects: &[Object], placements: &[Placement]) -> Result<Geometry, &'static str> {
-    let mut geometry = place(objects, placements)?;
+pub(super) fn pose(
+    objects: &[Object],
+    placements: &[Placement],
+    closing: &[Placement],
+) -> Result<Geometry, &'static str> {
+    let mut geometry = place(objects, placements, closing)?;
     geometry.sort();
     Ok(geometry)
 }
@@ -53,16 +60,26 @@ pub(super) fn pose(objects: &[Object], placements: &[Placement]) -> Result<Geome
 ///
 /// # Errors
 /// If nothing has an area, or a vertex is at infinity.
-pub(super) fn place(objects: &[Object], placements: &[Placement]) -> Result<Geometry, &'static str> {
+pub(super) fn place(
+    objects: &[Object],
+    placements: &[Placement],
+    closing: &[Placement],
+) -> Result<Geometry, &'static str> {
     let mut geometry = Geometry::default();
+    let moves = placements != closing;
     let coloured = objects.iter().any(|object| !object.colours.is_empty());
     let twice = objects.iter().any(|object| !object.second.is_empty());
     let mut odd: BTreeMap<&Path, Oddities> = BTreeMap::new();
-    for (number, (object, placement)) in objects.iter().zip(placements).enumerate() {
+    for (number, (object, (placement, closing))) in
+        objects.iter().zip(placements.iter().zip(closing)).enumerate()
+    {
         let odd = odd.entry(&object.source).or_default();
         for (i, piece) in object.pieces.iter().enumerate() {
             if !geometry.add(piece, placement, number as u32, odd) {
                 continue;
+            }
+            if moves {
+                geometry.add_moved(piece, placement, closing);
             }
             if coloured {
                 let colours = object.colours.get(i).copied().unwrap_or([[1.0; 3]; 3]);
@@ -78,7 +95,8 @@ pub(super) fn place(objects: &[Object], placements: &[Placement]) -> Result<Geom
         return Err("the scene is empty: no triangle has an area");
     }
     geometry.bounds = bounds(&geometry.triangles);
-    if !(geometry.bounds.0.is_finite() && geometry.bounds.1.is_finite()) {
+    let is_finite = |(low, high): (Vec3, Vec3)| low.is_finite() && high.is_finite();
+    if !(is_finite(geometry.bounds) && (!moves || is_finite(bounds(&geometry.moved.triangles)))) {
         return Err("a transform moves a vertex to infinity");
     }
     Ok(geometry)
@@ -87,12 +105,7 @@ pub(super) fn place(objects: &[Object], placements: &[Placement]) -> Result<Geom
 impl Geometry {
     /// Adds a triangle, or counts it if it has no area; whether it has added it.
     fn add(&mut self, piece: &Piece, placement: &Placement, object: u32, odd: &mut Oddities) -> bool {
-        let placed = piece.corners.map(|c| Corner {
-            position: placement.position(c.position),
-            normal: placement.normal(c.normal).normalize_or_zero(),
-            uv: c.uv,
-        });
-        let placed = turned(placed, placement);
+        let placed = turned(placed(piece, placement), placement);
         let positions = placed.map(|c| c.position);
         let Some(front) = front_of(positions) else {
             odd.degenerate += 1;
@@ -107,6 +120,17 @@ impl Geometry {
         });
         self.objects.push(object);
         true
+    }
+
+    /// Adds where the triangle added last is as the shutter closes: the same corners in the same order, whatever its shape is
+    /// by then.
+    fn add_moved(&mut self, piece: &Piece, placement: &Placement, closing: &Placement) {
+        let placed = turned(placed(piece, closing), placement);
+        let positions = placed.map(|c| c.position);
+        let normals = front_of(positions)
+            .map(|front| shading_normals(placed.map(|c| c.normal), front, &mut Oddities::default()));
+        self.moved.triangles.push(Triangle { corners: positions.map(|p| p.to_array()) });
+        self.moved.normals.push(normals.unwrap_or_default().map(|n| n.to_array()));
     }
 
     /// Reports what was odd about the objects of a file.
@@ -124,7 +148,7 @@ impl Geometry {
 
     /// Builds the hierarchy and brings everything into the order of its leaves.
     pub fn sort(&mut self) {
-        let bvh = bvh::build(&self.triangles);
+        let bvh = bvh::build(&self.triangles, &self.moved.triangles);
         self.triangles = bvh.order.iter().map(|&i| self.triangles[i as usize]).collect();
         self.surfaces = bvh.order.iter().map(|&i| self.surfaces[i as usize]).collect();
         if !self.colours.is_empty() {
@@ -133,9 +157,24 @@ impl Geometry {
         if !self.second.is_empty() {
             self.second = bvh.order.iter().map(|&i| self.second[i as usize]).collect();
         }
+        if !self.moved.triangles.is_empty() {
+            let Moved { triangles, leaves, normals } = &mut self.moved;
+            *triangles = bvh.order.iter().map(|&i| triangles[i as usize]).collect();
+            *normals = bvh.order.iter().map(|&i| normals[i as usize]).collect();
+            *leaves = bvh.moved_leaves;
+        }
         self.objects = bvh.order.iter().map(|&i| self.objects[i as usize]).collect();
         (self.nodes, self.leaves) = (bvh.nodes, bvh.leaves);
     }
+}
+
+/// A triangle's corners where it is placed.
+fn placed(piece: &Piece, placement: &Placement) -> [Corner; 3] {
+    piece.corners.map(|c| Corner {
+        position: placement.position(c.position),
+        normal: placement.normal(c.normal).normalize_or_zero(),
+        uv: c.uv,
+    })
 }
 
 /// What belongs to corners, in the order that makes them counter-clockwise where they are placed.

@@ -36,9 +36,15 @@ impl Script {
         self.moving
     }
 
-    /// Where all objects stand in a frame, in the scene file's coordinates.
-    pub fn placements(&self, frame: u32) -> Result<Vec<Placement>, &'static str> {
+    /// Where all objects stand in a frame, or at a time between frames, in the scene file's coordinates.
+    pub fn placements(&self, frame: impl Into<f64>) -> Result<Vec<Placement>, &'static str> {
+        let frame = frame.into();
         self.paths.iter().map(|path| path.at(frame)).collect()
+    }
+
+    /// When the shutter of a frame closes, in frames.
+    pub fn closes(&self, frame: u32) -> f64 {
+        f64::from(frame) + f64::from(self.shutter)
     }
 }
 
@@ -136,11 +142,11 @@ pub(super) enum ObjectTrack {
 }
 
 impl ObjectTrack {
-    /// The place in a frame.
+    /// The place in a frame, or at a time between frames.
     ///
     /// # Errors
     /// If a light has no area.
-    pub fn at(&self, frame: u32) -> Result<Placement, &'static str> {
+    pub fn at(&self, frame: f64) -> Result<Placement, &'static str> {
         let point = |track: &Track<3>| DVec3::from_array(track.at(frame));
         let vector = |track: &Track<3>| point(track).as_vec3();
         Ok(match self {
@@ -158,8 +164,8 @@ impl ObjectTrack {
                 }
                 Placement::rectangle(point(center), u, v)
             }
-            ObjectTrack::Node { rig, node } => Placement::affine(rig.at(*node, f64::from(frame))),
-            ObjectTrack::Rigid { rig, node } => Placement::affine(rig.rigid(*node, f64::from(frame))),
+            ObjectTrack::Node { rig, node } => Placement::affine(rig.at(*node, frame)),
+            ObjectTrack::Rigid { rig, node } => Placement::affine(rig.rigid(*node, frame)),
         })
     }
 }

@@ -182,11 +182,12 @@ impl Turn {
         turn
     }
 
-    /// The rotation of a frame.
-    pub fn at(&self, frame: u32) -> Quat {
-        let Some((i, u)) = locate(&self.keys, f64::from(frame)) else {
+    /// The rotation of a frame, or of a time between frames.
+    pub fn at(&self, frame: impl Into<f64>) -> Quat {
+        let frame = frame.into();
+        let Some((i, u)) = locate(&self.keys, frame) else {
             let last = self.keys.len() - 1;
-            return self.keys[if f64::from(frame) <= self.keys[0].0 { 0 } else { last }].1;
+            return self.keys[if frame <= self.keys[0].0 { 0 } else { last }].1;
         };
         let (from, u) = (self.keys[i].1, u as f32);
         if self.interpolation == Interpolation::Linear {

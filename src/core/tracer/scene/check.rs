@@ -3,6 +3,7 @@
 use super::data::{Error, SceneData};
 use super::hierarchy::{MAX_DEPTH, STACK};
 use super::light_tree::{LIGHT_LEAF, LightNode8, MAX_LIGHT_DEPTH, slot};
+use super::motion::normals;
 use super::surface::Triangle;
 use crate::maths::vec3;
 
@@ -10,6 +11,9 @@ use crate::maths::vec3;
 pub(super) fn check(data: &SceneData<'_>) -> Result<(), Error> {
     if data.surfaces.len() != data.triangles.len() {
         return Err(Error::SurfaceCount);
+    }
+    if let Some(motion) = &data.motion {
+        motion.check(data)?;
     }
     check_hierarchy(data)?;
     check_colours(data)?;
@@ -52,13 +56,17 @@ fn check_hierarchy(data: &SceneData) -> Result<(), Error> {
         for child in 0..children {
             let (first, count) = (node.child[child] as usize, node.count[child] as usize);
             if count > 0 {
-                let triangles = leaf_triangles(data, first, count).ok_or(Error::Node(index as usize))?;
-                if !data.leaves[first].holds(triangles) {
-                    return Err(Error::Leaf(first));
-                }
-                let mut corners = triangles.iter().flat_map(|t| t.corners);
-                if !corners.all(|c| node.encloses(child, c, c)) {
-                    return Err(Error::Bounds(index as usize));
+                let moved = data.motion.map(|motion| (motion.triangles, motion.leaves));
+                for (all, leaves) in [Some((data.triangles, data.leaves)), moved].into_iter().flatten() {
+                    let triangles =
+                        leaf_triangles(all, data, first, count).ok_or(Error::Node(index as usize))?;
+                    if !leaves[first].holds(triangles) {
+                        return Err(Error::Leaf(first));
+                    }
+                    let mut corners = triangles.iter().flat_map(|t| t.corners);
+                    if !corners.all(|c| node.encloses(child, c, c)) {
+                        return Err(Error::Bounds(index as usize));
+                    }
                 }
             } else {
                 if first <= index as usize || first >= data.nodes.len() {
@@ -75,11 +83,17 @@ fn check_hierarchy(data: &SceneData) -> Result<(), Error> {
     Ok(())
 }
 
-/// The triangles of leaf number `leaf`, if it and they exist.
-fn leaf_triangles<'a>(data: &SceneData<'a>, leaf: usize, count: usize) -> Option<&'a [Triangle]> {
+/// Those of `triangles` that belong to leaf number `leaf`, if it and they exist.
+fn leaf_triangles<'a>(
+    triangles: &'a [Triangle],
+    data: &SceneData<'_>,
+    leaf: usize,
+    count: usize,
+) -> Option<&'a [Triangle]> {
     let start = data.leaves.get(leaf)?.first as usize;
-    if count > 8 { None } else { data.triangles.get(start..start.checked_add(count)?) }
+    if count > 8 { None } else { triangles.get(start..start.checked_add(count)?) }
 }
+
 /// Whether every light has a triangle, and the probabilities rise to one.
 fn check_lights(data: &SceneData) -> Result<(), Error> {
     let mut before = 0.0;
@@ -159,14 +173,19 @@ fn is_held(data: &SceneData<'_>, index: usize) -> bool {
 /// Whether the bounds of a group hold a triangle, up to rounding.
 fn group_holds(data: &SceneData<'_>, node: &LightNode8, slot: usize, triangle: u32) -> bool {
     const SLACK: f32 = 1e-4;
-    let [a, b, c] = data.triangles[triangle as usize].corners;
+    let open = &data.triangles[triangle as usize];
+    let closing = data.motion.map_or(open, |motion| &motion.triangles[triangle as usize]);
     let column = |rows: &[[f32; 8]; 3]| [0, 1, 2].map(|axis| rows[axis][slot]);
     let (centre, axis, radius) = (column(&node.centre), column(&node.axis), node.radius[slot]);
     let near = |corner: [f32; 3]| {
         let away = vec3::sub(corner, centre);
         vec3::dot(away, away) <= radius * radius * (1.0 + SLACK)
     };
-    let normal = vec3::normalized(vec3::cross(vec3::sub(b, a), vec3::sub(c, a)));
-    let within = normal.is_some_and(|normal| vec3::dot(normal, axis) >= node.cosine[slot] - SLACK);
-    near(a) && near(b) && near(c) && within && node.cosine[slot] >= -1.0 && node.cosine[slot] <= 1.0
+    let within = |normal: Option<[f32; 3]>| {
+        normal.is_some_and(|normal| vec3::dot(normal, axis) >= node.cosine[slot] - SLACK)
+    };
+    open.corners.into_iter().chain(closing.corners).all(near)
+        && normals(open, closing).into_iter().all(within)
+        && node.cosine[slot] >= -1.0
+        && node.cosine[slot] <= 1.0
 }

@@ -3,6 +3,7 @@
 use super::hierarchy::{Leaf8, MAX_DEPTH, Node8};
 use super::light::Light;
 use super::light_tree::LightNode8;
+use super::motion::Motion;
 use super::sky::Sky;
 use super::surface::{Material, Surface, Texture, Triangle};
 
@@ -32,6 +33,22 @@ pub struct SceneData<'a> {
     pub light_nodes: &'a [LightNode8],
     /// Light from outside, if there is any.
     pub sky: Option<Sky<'a>>,
+    /// Where triangles are as the shutter closes, if any moves while it is open.
+    pub motion: Option<Motion<'a>>,
+}
+
+impl SceneData<'_> {
+    /// Triangle number `index` at `time`, a part of the time in which the shutter is open.
+    pub(crate) fn triangle_at(&self, index: u32, time: f32) -> Triangle {
+        let open = self.triangles[index as usize];
+        let Some(motion) = &self.motion else { return open };
+        let closing = motion.triangles[index as usize].corners;
+        let at = |corner: usize, axis: usize| {
+            let from = open.corners[corner][axis];
+            from + (closing[corner][axis] - from) * time
+        };
+        Triangle { corners: [0, 1, 2].map(|corner| [0, 1, 2].map(|axis| at(corner, axis))) }
+    }
 }
 
 /// Why lent slices are not a scene.
@@ -67,6 +84,8 @@ pub enum Error {
     LightNode(usize),
     /// A node or a light has more than one place in the light tree, or none.
     LightTree,
+    /// A slice of the motion has not one entry for each of the scene's, or a normal is not finite.
+    Motion,
     /// A slice of the sky has the wrong length or a table does not rise to [`STEPS`](super::sky::STEPS), or a number of it
     /// is out of range.
     Sky,
@@ -91,6 +110,10 @@ impl core::fmt::Display for Error {
                 write!(f, "node {i} of the light tree has a bad power or a child that is not there")
             }
             Error::LightTree => write!(f, "every node and every light must have one place in the light tree"),
+            Error::Motion => write!(
+                f,
+                "the motion must have finite triangles, leaves and normals, one for each of the scene's"
+            ),
             Error::Sky => write!(f, "the sky has a table or a number that is out of range"),
             Error::Light(i) => write!(f, "light {i} has no triangle or its probability does not rise to one"),
         }

@@ -4,11 +4,15 @@
 //! [`SceneData`]. [`Scene::new`] checks every index and the depth of the tree once; after that the hot path
 //! needs no error handling and a fixed stack suffices. Lengths are in scene units, colours linear Rec. 709.
 
+use super::camera;
+use wide::{f32x8, u32x8};
+
 pub(crate) mod check;
 mod data;
 mod hierarchy;
 pub mod light;
 pub mod light_tree;
+mod motion;
 pub mod sky;
 mod surface;
 
@@ -17,6 +21,8 @@ pub(crate) use hierarchy::STACK;
 pub use hierarchy::{Leaf8, MAX_DEPTH, Node8};
 pub use light::Light;
 pub use light_tree::{LIGHT_LEAF, LightNode8, MAX_LIGHT_DEPTH};
+pub use motion::Motion;
+pub(crate) use motion::between;
 pub use sky::{Sky, Sun};
 pub use surface::{MIN_ROUGHNESS, Material, NO_TEXTURE, Scattering, Surface, Texture, Triangle};
 
@@ -67,6 +73,17 @@ impl<'a> Scene<'a> {
     #[inline(always)]
     pub(crate) fn has_textured_light(&self) -> bool {
         self.textured_light
+    }
+
+    /// The scene as it is when the shutter opens, and stays.
+    pub(crate) fn still(self) -> Self {
+        Scene { data: SceneData { motion: None, ..self.data }, ..self }
+    }
+
+    /// When eight samples look at the scene, as parts of the time in which the shutter is open; 0 where nothing moves.
+    #[inline(always)]
+    pub(crate) fn time(&self, index: u32x8, key: u32x8) -> f32x8 {
+        if self.data.motion.is_some() { camera::time(index, key) } else { f32x8::ZERO }
     }
 
     /// Whether anything shines: a triangle or the sky.

@@ -137,7 +137,7 @@ pub(super) fn arrive(
     (depth, chance): (u32, Chance),
     radiance: &mut [Rgb8],
 ) -> Option<SurfacePoints> {
-    let rays = paths.rays();
+    let rays = paths.rays(tracer.tracer.scene());
     tracer.traffic.packets += 1;
     tracer.traffic.rays += u64::from(paths.lanes);
     let hits = cutout::closest(&mut tracer.tracer, &rays, chance);

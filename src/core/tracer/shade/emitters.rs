@@ -107,6 +107,7 @@ fn aim_at_sky(
         origin: surface.leave(point.direction),
         direction: point.direction,
         t_max: f32x8::splat(f32::INFINITY),
+        time: surface.time,
         value: paths.throughput.scaled(value).scaled(point.radiance) * weight,
         slot: paths.slot,
     }

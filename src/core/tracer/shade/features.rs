@@ -17,7 +17,7 @@ use crate::sampler::batch::Batch8;
 use crate::sampler::guide::Feature;
 use crate::tracer::camera::{Camera, Primary};
 use crate::tracer::scene::{Scattering, Scene};
-use crate::tracer::trace::{Rays8, Tracer};
+use crate::tracer::trace::Tracer;
 use wide::{f32x8, u32x8};
 
 /// Key of the points: its own, so that features are independent of the samples.
@@ -64,7 +64,7 @@ impl<'a> Features<'a> {
         let (mut seen, mut alive) = (Seen::default(), f32x8::splat(f32::from_bits(u32::MAX)));
         for segment in 0..self.max_depth {
             let t_max = alive.select(f32x8::splat(f32::INFINITY), f32x8::splat(-1.0));
-            let rays = Rays8 { origin: paths.origin, direction: paths.direction, t_max };
+            let rays = paths.rays_to(t_max, self.tracer.scene());
             let hits = cutout::closest(&mut self.tracer, &rays, paths.chance(segment + 1));
             seen.note_sky(self.tracer.scene(), &paths, alive & !hits.lanes(), segment == 0);
             if !hits.any() {

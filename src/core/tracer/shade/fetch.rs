@@ -1,13 +1,33 @@
 //! Records of eight lanes, fetched as rows and transposed: one load a row instead of one a number.
 
 use crate::maths::vec3::Vec3x8;
-use crate::tracer::scene::{Material, SceneData};
+use crate::tracer::scene::{Material, Motion, SceneData, Triangle, between};
 use wide::{f32x8, u32x8};
 
-/// The corners of eight triangles.
+/// The corners of eight triangles, each at its time.
 #[inline(always)]
-pub(super) fn corners(data: &SceneData<'_>, triangle: [u32; 8]) -> [Vec3x8; 3] {
-    let row = |i: u32| bytemuck::cast_ref::<_, [f32; 9]>(&data.triangles[i as usize]);
+pub(super) fn corners(data: &SceneData<'_>, triangle: [u32; 8], time: f32x8) -> [Vec3x8; 3] {
+    let open = standing(data.triangles, triangle);
+    match &data.motion {
+        None => open,
+        Some(motion) => on_the_way(open, standing(motion.triangles, triangle), time),
+    }
+}
+
+/// Corners or normals on their way from one place to another. Kept out of the loops that call it.
+#[inline(never)]
+pub(super) fn on_the_way(open: [Vec3x8; 3], closing: [Vec3x8; 3], time: f32x8) -> [Vec3x8; 3] {
+    [0, 1, 2].map(|corner| between(open[corner], closing[corner], time))
+}
+
+/// The normals at the corners of eight triangles as the shutter closes.
+pub(super) fn closing_normals(motion: &Motion<'_>, triangle: [u32; 8]) -> [Vec3x8; 3] {
+    columns(motion.normals, triangle)
+}
+
+#[inline(always)]
+fn standing(triangles: &[Triangle], triangle: [u32; 8]) -> [Vec3x8; 3] {
+    let row = |i: u32| bytemuck::cast_ref::<_, [f32; 9]>(&triangles[i as usize]);
     let [ax, ay, az, bx, by, bz, cx, cy] = first(triangle.map(row));
     let cz = f32x8::from(triangle.map(|i| row(i)[8]));
     [Vec3x8::new(ax, ay, az), Vec3x8::new(bx, by, bz), Vec3x8::new(cx, cy, cz)]
@@ -15,7 +35,12 @@ pub(super) fn corners(data: &SceneData<'_>, triangle: [u32; 8]) -> [Vec3x8; 3] {
 
 /// The colours at the corners of eight triangles. There must be colours.
 pub(super) fn colours(data: &SceneData<'_>, triangle: [u32; 8]) -> [Vec3x8; 3] {
-    let column = |i: usize| f32x8::from(triangle.map(|t| data.colours[t as usize].as_flattened()[i]));
+    columns(data.colours, triangle)
+}
+
+/// Three vectors of eight records.
+fn columns(records: &[[[f32; 3]; 3]], record: [u32; 8]) -> [Vec3x8; 3] {
+    let column = |i: usize| f32x8::from(record.map(|t| records[t as usize].as_flattened()[i]));
     [0, 3, 6].map(|corner| Vec3x8::new(column(corner), column(corner + 1), column(corner + 2)))
 }
 

@@ -11,6 +11,8 @@ use wide::{f32x8, u32x8};
 pub(super) struct SurfacePoints {
     /// Lanes that hit something, all bits set.
     pub hit: f32x8,
+    /// When they are looked at.
+    pub time: f32x8,
     /// Positions, on the triangle up to rounding.
     pub position: Vec3x8,
     /// Unit geometric normals, on the side the ray came from.
@@ -43,11 +45,17 @@ impl SurfacePoints {
     pub fn at(scene: &Scene<'_>, rays: &Rays8, hits: &Hits8) -> Self {
         let data = scene.data();
         let (hit, triangle, weights) = (hits.lanes(), triangles(hits), weights(hits));
-        let [a, b, c] = fetch::corners(data, triangle);
+        let [a, b, c] = fetch::corners(data, triangle, rays.time);
         let front = (b - a).cross(c - a).normalized();
         let cosine = -rays.direction.dot(front);
         let surface = fetch::surfaces(data, triangle);
-        let normal = shading_normal(interpolate(surface.normals, weights), front, rays.direction);
+        let normals = match &data.motion {
+            None => surface.normals,
+            Some(motion) => {
+                fetch::on_the_way(surface.normals, fetch::closing_normals(motion, triangle), rays.time)
+            }
+        };
+        let normal = shading_normal(interpolate(normals, weights), front, rays.direction);
         let material = fetch::materials(data, surface.material);
         let mut diffuse = material.diffuse;
         if is_some(material.texture).any() {
@@ -62,6 +70,7 @@ impl SurfacePoints {
         };
         SurfacePoints {
             hit,
+            time: rays.time,
             position: interpolate([a, b, c], weights),
             facing: Vec3x8::select(cosine.simd_lt(f32x8::ZERO), -front, front),
             normal,
@@ -82,6 +91,7 @@ impl SurfacePoints {
         let (none, one) = (Vec3x8::default(), f32x8::ONE);
         SurfacePoints {
             hit: f32x8::ZERO.simd_eq(f32x8::ZERO),
+            time: f32x8::ZERO,
             position: sites.position,
             facing: sites.facing,
             normal: sites.normal,

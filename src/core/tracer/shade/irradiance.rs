@@ -36,11 +36,11 @@ pub struct Irradiance<'a, U> {
 
 impl<'a, U: Unwrapped> Irradiance<'a, U> {
     /// Irradiance in `scene`, in its units of radiance times steradians, by paths of up to `max_depth` segments, counted as if
-    /// the point were seen by a camera: 2 is direct light only.
+    /// the point were seen by a camera: 2 is direct light only. What moves stays where it is as the shutter opens.
     ///
     /// `memory` is scratch, as [`PathTracer::required`] says. With less than needed for one packet all is NaN.
     pub fn new(scene: Scene<'a>, plane: U, max_depth: u32, memory: &'a mut [Packet]) -> Self {
-        Irradiance { paths: PathTracer::blind(scene, max_depth, memory), plane }
+        Irradiance { paths: PathTracer::blind(scene.still(), max_depth, memory), plane }
     }
 }
 

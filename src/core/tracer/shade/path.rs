@@ -22,7 +22,7 @@ use crate::maths::vec3::Vec3x8;
 use crate::sampler::batch::{Batch8, Integrand, Rgb8};
 use crate::tracer::camera::{Camera, Primary};
 use crate::tracer::scene::{Scattering, Scene};
-use crate::tracer::trace::{Hits8, Rays8, Tracer};
+use crate::tracer::trace::{Hits8, Tracer};
 use wide::{f32x8, u32x8};
 
 pub use super::queue::Packet;
@@ -118,7 +118,7 @@ impl<'a> PathTracer<'a> {
     /// between only if there is one. For scenes of [few lights](light::are_few).
     pub(super) fn end_on_lights(&mut self, paths: &Paths, alive: f32x8, radiance: &mut [Rgb8]) {
         let t_max = alive.select(f32x8::splat(f32::INFINITY), f32x8::splat(-1.0));
-        let rays = Rays8 { origin: paths.origin, direction: paths.direction, t_max };
+        let rays = paths.rays_to(t_max, self.tracer.scene());
         let hits = self.tracer.closest_light(&rays);
         if !hits.any() {
             return;
@@ -127,7 +127,8 @@ impl<'a> PathTracer<'a> {
         if let Some((value, lit)) = emitted(self.tracer.scene(), paths, &surface, &hits) {
             let t_max = hits.t * f32x8::splat(SHADOW_REACH);
             let (origin, direction, slot) = (paths.origin, paths.direction, paths.slot);
-            self.queue_shadows(&ShadowRays { origin, direction, t_max, value, slot }, lit, radiance);
+            let shadow = ShadowRays { origin, direction, t_max, time: rays.time, value, slot };
+            self.queue_shadows(&shadow, lit, radiance);
         }
     }
 
@@ -252,7 +253,7 @@ impl<'a> Wavefront<'a> for PathTracer<'a> {
     }
 
     fn bounce(&mut self, paths: &Paths, depth: u32, radiance: &mut [Rgb8]) {
-        let rays = paths.rays();
+        let rays = paths.rays(self.tracer.scene());
         self.traffic.packets += 1;
         self.traffic.rays += u64::from(paths.lanes);
         let hits = cutout::closest(&mut self.tracer, &rays, paths.chance(depth));

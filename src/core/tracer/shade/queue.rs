@@ -5,6 +5,7 @@
 
 use super::cutout::Chance;
 use crate::maths::vec3::Vec3x8;
+use crate::tracer::scene::Scene;
 use crate::tracer::trace::Rays8;
 use wide::{f32x8, u32x8};
 
@@ -88,10 +89,17 @@ impl Paths {
 
     /// The paths' rays, endless.
     #[inline(always)]
-    pub fn rays(&self) -> Rays8 {
+    pub fn rays(&self, scene: &Scene<'_>) -> Rays8 {
         let used = lane_mask((1 << self.lanes) - 1);
         let t_max = used.select(f32x8::splat(f32::INFINITY), f32x8::splat(-1.0));
-        Rays8 { origin: self.origin, direction: self.direction, t_max }
+        self.rays_to(t_max, scene)
+    }
+
+    /// The paths' rays up to a distance; negative where there is none.
+    #[inline(always)]
+    pub fn rays_to(&self, t_max: f32x8, scene: &Scene<'_>) -> Rays8 {
+        let time = scene.time(self.index, self.key);
+        Rays8 { origin: self.origin, direction: self.direction, t_max, time }
     }
 }
 

@@ -10,6 +10,7 @@ pub(super) struct ShadowRays {
     pub origin: Vec3x8,
     pub direction: Vec3x8,
     pub t_max: f32x8,
+    pub time: f32x8,
     pub value: Vec3x8,
     /// Number of the sample in the stream.
     pub slot: u32x8,
@@ -23,13 +24,14 @@ impl ShadowRays {
             origin: Vec3x8::select(mask, a.origin, b.origin),
             direction: Vec3x8::select(mask, a.direction, b.direction),
             t_max: mask.select(a.t_max, b.t_max),
+            time: a.time,
             value: Vec3x8::select(mask, a.value, b.value),
             slot: a.slot,
         }
     }
 }
 
-const ROWS: usize = 10;
+const ROWS: usize = 11;
 
 /// The open packet of shadow rays.
 #[derive(Clone, Debug, Default)]
@@ -49,7 +51,7 @@ impl Shadows {
     #[inline]
     pub fn fill(&mut self, rays: &ShadowRays, mut wanted: u32) -> u32 {
         let (o, d, v) = (rays.origin, rays.direction, rays.value);
-        let from = [o.x, o.y, o.z, d.x, d.y, d.z, rays.t_max, v.x, v.y, v.z].map(f32x8::to_array);
+        let from = [o.x, o.y, o.z, d.x, d.y, d.z, rays.t_max, rays.time, v.x, v.y, v.z].map(f32x8::to_array);
         let slot = rays.slot.to_array();
         while wanted != 0 && self.lanes < 8 {
             let lane = wanted.trailing_zeros() as usize & 7;
@@ -78,12 +80,13 @@ impl Shadows {
             origin: Vec3x8::new(row(0), row(1), row(2)),
             direction: Vec3x8::new(row(3), row(4), row(5)),
             t_max: used.select(row(6), f32x8::splat(-1.0)),
+            time: row(7),
         }
     }
 
     /// Dims what the rays carry to a part of it; returns the lanes in which anything is left, as bits.
     pub fn dim(&mut self, part: f32x8) -> u32 {
-        for row in &mut self.rows[7..] {
+        for row in &mut self.rows[8..] {
             *row = (f32x8::from(*row) * part).to_array();
         }
         part.simd_gt(f32x8::ZERO).to_bitmask()
@@ -93,7 +96,7 @@ impl Shadows {
     #[inline(always)]
     pub fn deliver(&self, free: u32, radiance: &mut [Rgb8]) {
         let row = |i: usize| f32x8::from(self.rows[i]);
-        accumulate(radiance, self.slot.into(), Vec3x8::new(row(7), row(8), row(9)), free);
+        accumulate(radiance, self.slot.into(), Vec3x8::new(row(8), row(9), row(10)), free);
     }
 }
 

@@ -131,7 +131,7 @@ impl<'a> Shooter<'a> {
 
     /// Takes one packet through one segment; returns how many photons it has written.
     fn bounce(&mut self, map: Map, paths: &Paths, depth: u32, is_last: bool, out: &mut [Photon]) -> usize {
-        let rays = paths.rays();
+        let rays = paths.rays(self.tracer.scene());
         let hits = cutout::closest(&mut self.tracer, &rays, paths.chance(depth));
         if !hits.any() {
             return 0;

@@ -90,7 +90,7 @@ impl Source {
 /// By the exact density: the rounding of the table moves a good part of a faint lamp's share. A lamp with less than 2^-24
 /// of the power may have no share at all.
 fn from_lamps(scene: &Scene<'_>, paths: u32, (u, v): (f32x8, f32x8), index: u32x8, key: u32x8) -> Paths {
-    let point = Lights::by_power(scene).sample(u, v);
+    let point = Lights::by_power(scene, scene.time(index, key)).sample(u, v);
     let (u, v) = sobol::point(index, key, 2);
     let frame = Frame::new(point.normal);
     let flux = f32x8::splat(core::f32::consts::PI / paths as f32) / point.exact_density;
@@ -127,7 +127,9 @@ impl Bounds {
     pub fn of(scene: &Scene<'_>, counts: impl Fn(Scattering) -> bool) -> Option<Bounds> {
         let data = scene.data();
         let mut bounds = Bounds { lower: [f32::INFINITY; 3], upper: [f32::NEG_INFINITY; 3] };
-        for (triangle, surface) in data.triangles.iter().zip(data.surfaces) {
+        let motion = data.motion.map_or(&[][..], |motion| motion.triangles);
+        let moved = motion.iter().zip(data.surfaces);
+        for (triangle, surface) in data.triangles.iter().zip(data.surfaces).chain(moved) {
             if !counts(data.materials[surface.material as usize].scattering) {
                 continue;
             }

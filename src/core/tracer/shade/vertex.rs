@@ -1,7 +1,7 @@
 //! What happens where a path meets a surface: light that is met or aimed at, scattering, Russian roulette.
 
 use super::hit::SurfacePoints;
-use super::light::{self, LightPoints, Lights, Receiver};
+use super::light::{self, Emitting, LightPoints, Lights, Receiver};
 use super::queue::Paths;
 use super::rough::Rough;
 use super::shadow::ShadowRays;
@@ -42,8 +42,9 @@ pub(super) fn emitted(
     // Nobody aims at what is seen directly or in a mirror.
     let by_chance = lit & paths.density.simd_lt(f32x8::splat(f32::INFINITY));
     let receiver = || Receiver { position: paths.origin, normal: unpack_unit(paths.normal) };
-    let density =
-        light::density(scene, receiver, hits.triangle, surface.typical_emission, by_chance.to_bitmask());
+    let emitters =
+        Emitting { triangle: hits.triangle, time: surface.time, radiance: surface.typical_emission };
+    let density = light::density(scene, receiver, &emitters, by_chance.to_bitmask());
     let density = density * f32x8::splat(scene.lamp_share());
     let aimed = density * hits.t * hits.t / surface.cosine;
     let weight = power_heuristic(paths.density, aimed);
@@ -53,7 +54,7 @@ pub(super) fn emitted(
 /// The lights as seen from the surface, whose normal the paths take along.
 #[inline(always)]
 pub(super) fn lights<'a>(scene: &'a Scene<'_>, next: &mut Paths, surface: &SurfacePoints) -> Lights<'a> {
-    Lights::new(scene, || {
+    Lights::new(scene, surface.time, || {
         next.normal = pack_unit(surface.normal);
         Receiver { position: surface.position, normal: unpack_unit(next.normal) }
     })
@@ -88,6 +89,7 @@ pub(super) fn aim(
         origin,
         direction: ray * (f32x8::ONE / length),
         t_max: length * f32x8::splat(SHADOW_REACH),
+        time: surface.time,
         value: Vec3x8::select(lit, value, Vec3x8::default()),
         slot: paths.slot,
     }

@@ -15,6 +15,8 @@ pub struct Rays8 {
     pub direction: Vec3x8,
     /// Distance at which a ray ends, in scene units; negative: the lane is idle.
     pub t_max: f32x8,
+    /// When the ray is, as a part of the time in which the shutter is open, 0 to 1; of no use where nothing moves.
+    pub time: f32x8,
 }
 
 impl Rays8 {
@@ -67,6 +69,7 @@ pub(super) struct Frames {
 pub(super) struct Prepared {
     pub slopes: Slopes,
     pub frames: Frames,
+    pub time: f32x8,
 }
 
 impl Prepared {
@@ -79,13 +82,14 @@ impl Prepared {
         Prepared {
             slopes: Slopes { inverse, offset: [o.x * inverse[0], o.y * inverse[1], o.z * inverse[2]] },
             frames: Frames { axes: [u, v, d], origin: [dot(u, o), dot(v, o), dot(d, o)] },
+            time: rays.time,
         }
     }
 }
 
 /// The number of one lane, in all lanes.
 #[inline(always)]
-fn one(v: f32x8, lane: usize) -> f32x8 {
+pub(super) fn one(v: f32x8, lane: usize) -> f32x8 {
     f32x8::splat(v.as_array()[lane & 7])
 }
 

@@ -3,7 +3,7 @@
 //! What remains of a packet when its rays have parted. The arithmetic of a lane is that of the packet's walk, so
 //! that it does not matter for a hit which of the two found it.
 
-use super::ray::{Hit, MISS, Prepared, Slopes};
+use super::ray::{self, Hit, MISS, Prepared, Slopes};
 use super::triangle;
 use crate::tracer::scene::{Node8, STACK, Scene};
 use wide::f32x8;
@@ -55,7 +55,7 @@ impl Planes {
 }
 
 /// What ray number `lane` hits first, up to `t_max`.
-pub(super) fn find_closest(
+pub(super) fn find_closest<const MOVING: bool>(
     scene: &Scene<'_>,
     stack: &mut Stack,
     rays: &Prepared,
@@ -65,12 +65,18 @@ pub(super) fn find_closest(
     let mut hit = Hit { t: t_max, u: 0.0, v: 0.0, triangle: MISS };
     let (mut first, mut count) = (0, 0);
     let data = scene.data();
-    let slopes = rays.slopes.lane(lane);
+    let (slopes, time) = (rays.slopes.lane(lane), ray::one(rays.time, lane));
     let planes = Planes::new(&slopes);
     let mut top = 0;
     loop {
         if count > 0 {
-            triangle::closest_of(&rays.frames.lane(lane), &data.leaves[first as usize], &mut hit);
+            let corners = triangle::all::<MOVING>(data, first, time);
+            triangle::closest_of(
+                &rays.frames.lane(lane),
+                corners,
+                data.leaves[first as usize].first,
+                &mut hit,
+            );
         } else {
             let node = &data.nodes[first as usize];
             let (near, mut met) = planes.enter(&slopes, node, hit.t);
@@ -123,7 +129,7 @@ fn insert(stack: &mut Stack, bottom: usize, top: usize, entry: Waiting) {
 }
 
 /// Whether anything in the subtree below `node` lies between the ray's origin and `t_max`.
-pub(super) fn find_any(
+pub(super) fn find_any<const MOVING: bool>(
     scene: &Scene<'_>,
     stack: &mut Stack,
     rays: &Prepared,
@@ -132,7 +138,7 @@ pub(super) fn find_any(
     t_max: f32,
 ) -> bool {
     let data = scene.data();
-    let slopes = rays.slopes.lane(lane);
+    let (slopes, time) = (rays.slopes.lane(lane), ray::one(rays.time, lane));
     let planes = Planes::new(&slopes);
     stack[0].first = node;
     let mut top = 1;
@@ -149,7 +155,8 @@ pub(super) fn find_any(
                 top += 1;
                 continue;
             }
-            if triangle::any_blocks(&rays.frames.lane(lane), &data.leaves[first as usize], t_max) {
+            let corners = triangle::all::<MOVING>(data, first, time);
+            if triangle::any_blocks(&rays.frames.lane(lane), corners, t_max) {
                 return true;
             }
         }

@@ -3,7 +3,7 @@
 use super::ray::{Hits8, Prepared, Rays8, Slopes};
 use super::{single, triangle};
 use crate::maths::vec3::Vec3x8;
-use crate::tracer::scene::{Node8, STACK, Scene};
+use crate::tracer::scene::{Node8, STACK, Scene, between};
 use wide::f32x8;
 
 /// A subtree that waits: a node or, where `count` is not 0, a leaf's triangles; and when each ray enters its box.
@@ -53,6 +53,20 @@ impl<'a> Tracer<'a> {
     ///
     /// A triangle is hit from both sides. Idle lanes (negative `t_max`) miss.
     pub fn closest(&mut self, rays: &Rays8) -> Hits8 {
+        match self.scene.data().motion {
+            None => self.closest_of::<false>(rays),
+            Some(_) => self.closest_moving(rays),
+        }
+    }
+
+    // Kept out of the loops that call it, as `occluded_moving`: they are for scenes that stand still.
+    #[inline(never)]
+    fn closest_moving(&mut self, rays: &Rays8) -> Hits8 {
+        self.closest_of::<true>(rays)
+    }
+
+    #[inline(always)]
+    fn closest_of<const MOVING: bool>(&mut self, rays: &Rays8) -> Hits8 {
         let prepared = Prepared::new(rays);
         let mut hits = Hits8::none(rays.t_max);
         let active = rays.active();
@@ -60,23 +74,23 @@ impl<'a> Tracer<'a> {
             return hits;
         }
         if self.scene.data().nodes.len() > SMALL && !is_coherent(rays.direction, active) {
-            self.find_each(&prepared, active, &mut hits);
+            self.find_each::<MOVING>(&prepared, active, &mut hits);
             return hits;
         }
         match prepared.slopes.common_signs(active) {
-            Some(signs) => self.find_closest(&prepared, Signed(signs), &mut hits),
-            None => self.find_closest(&prepared, Mixed, &mut hits),
+            Some(signs) => self.find_closest::<MOVING, _>(&prepared, Signed(signs), &mut hits),
+            None => self.find_closest::<MOVING, _>(&prepared, Mixed, &mut hits),
         }
         hits
     }
 
     /// The nearest hit of each ray by itself.
-    fn find_each(&mut self, rays: &Prepared, mut lanes: u32, hits: &mut Hits8) {
+    fn find_each<const MOVING: bool>(&mut self, rays: &Prepared, mut lanes: u32, hits: &mut Hits8) {
         while lanes != 0 {
             let lane = lanes.trailing_zeros() as usize & 7;
             lanes &= lanes - 1;
-            let hit =
-                single::find_closest(&self.scene, &mut self.single, rays, lane, hits.t.as_array()[lane]);
+            let t_max = hits.t.as_array()[lane];
+            let hit = single::find_closest::<MOVING>(&self.scene, &mut self.single, rays, lane, t_max);
             hits.set_lane(lane, hit);
         }
     }
@@ -87,7 +101,14 @@ impl<'a> Tracer<'a> {
         let mut hits = Hits8::none(rays.t_max);
         let data = self.scene.data();
         for light in data.lights {
-            let corners = data.triangles[light.triangle as usize].corners.map(Vec3x8::splat);
+            let open = data.triangles[light.triangle as usize].corners.map(Vec3x8::splat);
+            let corners = match data.motion {
+                None => open,
+                Some(motion) => {
+                    let closing = motion.triangles[light.triangle as usize].corners.map(Vec3x8::splat);
+                    [0, 1, 2].map(|corner| between(open[corner], closing[corner], rays.time))
+                }
+            };
             triangle::closest(&prepared.frames, corners, || light.triangle, &mut hits);
         }
         hits
@@ -95,18 +116,31 @@ impl<'a> Tracer<'a> {
 
     /// The lanes, as bits, in which something lies between the origin and `t_max`. Idle lanes are not occluded.
     pub fn occluded(&mut self, rays: &Rays8) -> u32 {
+        match self.scene.data().motion {
+            None => self.occluded_of::<false>(rays),
+            Some(_) => self.occluded_moving(rays),
+        }
+    }
+
+    #[inline(never)]
+    fn occluded_moving(&mut self, rays: &Rays8) -> u32 {
+        self.occluded_of::<true>(rays)
+    }
+
+    #[inline(always)]
+    fn occluded_of<const MOVING: bool>(&mut self, rays: &Rays8) -> u32 {
         let prepared = Prepared::new(rays);
         let active = rays.active();
         if self.scene.data().nodes.is_empty() || active == 0 {
             return 0;
         }
         match prepared.slopes.common_signs(active) {
-            Some(signs) => self.find_any(&prepared, Signed(signs), rays.t_max, active),
-            None => self.find_any(&prepared, Mixed, rays.t_max, active),
+            Some(signs) => self.find_any::<MOVING, _>(&prepared, Signed(signs), rays.t_max, active),
+            None => self.find_any::<MOVING, _>(&prepared, Mixed, rays.t_max, active),
         }
     }
 
-    fn find_closest(&mut self, rays: &Prepared, slabs: impl Slabs, hits: &mut Hits8) {
+    fn find_closest<const MOVING: bool, S: Slabs>(&mut self, rays: &Prepared, slabs: S, hits: &mut Hits8) {
         let (data, stack) = (self.scene.data(), &mut self.stack);
         stack[0] = ROOT;
         let mut top = 1;
@@ -117,14 +151,10 @@ impl<'a> Tracer<'a> {
                 continue;
             }
             if entry.count > 0 {
-                let leaf = &data.leaves[entry.first as usize];
+                let first = || data.leaves[entry.first as usize].first;
                 for slot in 0..entry.count as usize {
-                    triangle::closest(
-                        &rays.frames,
-                        triangle::one(leaf, slot),
-                        || leaf.first + slot as u32,
-                        hits,
-                    );
+                    let corners = triangle::one::<MOVING>(data, entry.first, slot, rays.time);
+                    triangle::closest(&rays.frames, corners, || first() + slot as u32, hits);
                 }
                 continue;
             }
@@ -146,7 +176,13 @@ impl<'a> Tracer<'a> {
         }
     }
 
-    fn find_any(&mut self, rays: &Prepared, slabs: impl Slabs, mut t_max: f32x8, active: u32) -> u32 {
+    fn find_any<const MOVING: bool, S: Slabs>(
+        &mut self,
+        rays: &Prepared,
+        slabs: S,
+        mut t_max: f32x8,
+        active: u32,
+    ) -> u32 {
         self.shadow_stack[0] = (0, active);
         let mut top = 1;
         let mut blocked = 0;
@@ -155,7 +191,7 @@ impl<'a> Tracer<'a> {
             let (index, met) = self.shadow_stack[top];
             let left = met & !blocked;
             if left.count_ones() <= FEW {
-                blocked |= self.find_any_each(rays, left, index, &mut t_max);
+                blocked |= self.find_any_each::<MOVING>(rays, left, index, &mut t_max);
                 if blocked == active {
                     return blocked;
                 }
@@ -177,9 +213,9 @@ impl<'a> Tracer<'a> {
                     top += 1;
                     continue;
                 }
-                let leaf = &data.leaves[first as usize];
                 for slot in 0..count {
-                    let hit = triangle::blocks(&rays.frames, leaf, slot, t_max);
+                    let corners = triangle::one::<MOVING>(data, first, slot, rays.time);
+                    let hit = triangle::blocks(&rays.frames, corners, t_max);
                     t_max = hit.select(f32x8::splat(-1.0), t_max);
                     blocked |= hit.to_bitmask();
                 }
@@ -192,13 +228,19 @@ impl<'a> Tracer<'a> {
     }
 
     /// The rays among `lanes` for which the subtree below `node` is in the way; their `t_max` becomes negative.
-    fn find_any_each(&mut self, rays: &Prepared, mut lanes: u32, node: u32, t_max: &mut f32x8) -> u32 {
+    fn find_any_each<const MOVING: bool>(
+        &mut self,
+        rays: &Prepared,
+        mut lanes: u32,
+        node: u32,
+        t_max: &mut f32x8,
+    ) -> u32 {
         let mut blocked = 0;
         while lanes != 0 {
             let lane = lanes.trailing_zeros() as usize & 7;
             lanes &= lanes - 1;
             let t = &mut t_max.as_mut_array()[lane];
-            if single::find_any(&self.scene, &mut self.single, rays, lane, node, *t) {
+            if single::find_any::<MOVING>(&self.scene, &mut self.single, rays, lane, node, *t) {
                 blocked |= 1 << lane;
                 *t = -1.0;
             }

@@ -8,7 +8,7 @@
 
 use super::ray::{Frames, Hit, Hits8, MISS};
 use crate::maths::vec3::Vec3x8;
-use crate::tracer::scene::Leaf8;
+use crate::tracer::scene::{Leaf8, SceneData, between};
 use wide::{f32x8, u32x8};
 
 /// A candidate intersection; `valid` has all bits set in lanes that hit between origin and `t_max`.
@@ -65,16 +65,17 @@ pub(super) fn closest(rays: &Frames, corners: [Vec3x8; 3], index: impl FnOnce() 
     hits.triangle = take.select(index, hits.triangle);
 }
 
-/// Lanes in which triangle number `slot` of `leaf` lies between origin and `t_max`.
+/// Lanes in which the triangle lies between origin and `t_max`.
 #[inline(always)]
-pub(super) fn blocks(rays: &Frames, leaf: &Leaf8, slot: usize, t_max: f32x8) -> f32x8 {
-    intersect(rays, one(leaf, slot), t_max).map_or(f32x8::ZERO, |candidate| candidate.valid)
+pub(super) fn blocks(rays: &Frames, corners: [Vec3x8; 3], t_max: f32x8) -> f32x8 {
+    intersect(rays, corners, t_max).map_or(f32x8::ZERO, |candidate| candidate.valid)
 }
 
-/// One ray against all triangles of a leaf: replaces `hit` if one is nearer, or as near with a lower index.
+/// One ray against all triangles of a leaf, of which the first has index `first`: replaces `hit` if one is nearer, or as near
+/// with a lower index.
 #[inline(always)]
-pub(super) fn closest_of(ray: &Frames, leaf: &Leaf8, hit: &mut Hit) {
-    let Some(candidate) = intersect(ray, all(leaf), f32x8::splat(hit.t)) else { return };
+pub(super) fn closest_of(ray: &Frames, corners: [Vec3x8; 3], first: u32, hit: &mut Hit) {
+    let Some(candidate) = intersect(ray, corners, f32x8::splat(hit.t)) else { return };
     let mut lanes = candidate.valid.to_bitmask();
     if lanes == 0 {
         return;
@@ -83,28 +84,61 @@ pub(super) fn closest_of(ray: &Frames, leaf: &Leaf8, hit: &mut Hit) {
     while lanes != 0 {
         let lane = lanes.trailing_zeros() as usize & 7;
         lanes &= lanes - 1;
-        let triangle = leaf.first + lane as u32;
+        let triangle = first + lane as u32;
         if t[lane] < hit.t || (t[lane] == hit.t && triangle < hit.triangle) {
             *hit = Hit { t: t[lane], u: u[lane], v: v[lane], triangle };
         }
     }
 }
 
-/// Whether a triangle of the leaf lies between one ray's origin and `t_max`.
+/// Whether one of a leaf's triangles lies between one ray's origin and `t_max`.
 #[inline(always)]
-pub(super) fn any_blocks(ray: &Frames, leaf: &Leaf8, t_max: f32) -> bool {
-    intersect(ray, all(leaf), f32x8::splat(t_max)).is_some_and(|candidate| candidate.valid.any())
+pub(super) fn any_blocks(ray: &Frames, corners: [Vec3x8; 3], t_max: f32) -> bool {
+    intersect(ray, corners, f32x8::splat(t_max)).is_some_and(|candidate| candidate.valid.any())
 }
 
-/// The corners of one triangle of a leaf, in all lanes.
+/// The corners of triangle number `slot` of leaf number `leaf`, in all lanes, each at its own `time` if anything is `MOVING`.
 #[inline(always)]
-pub(super) fn one(leaf: &Leaf8, slot: usize) -> [Vec3x8; 3] {
+pub(super) fn one<const MOVING: bool>(
+    data: &SceneData<'_>,
+    leaf: u32,
+    slot: usize,
+    time: f32x8,
+) -> [Vec3x8; 3] {
+    at::<MOVING>(data, leaf, time, |leaf| splat(leaf, slot))
+}
+
+/// The corners of all triangles of a leaf, one a lane, likewise.
+#[inline(always)]
+pub(super) fn all<const MOVING: bool>(data: &SceneData<'_>, leaf: u32, time: f32x8) -> [Vec3x8; 3] {
+    at::<MOVING>(data, leaf, time, lanes)
+}
+
+/// What is read of a leaf, between its two places if anything is `MOVING`.
+#[inline(always)]
+fn at<const MOVING: bool>(
+    data: &SceneData<'_>,
+    leaf: u32,
+    time: f32x8,
+    read: impl Fn(&Leaf8) -> [Vec3x8; 3],
+) -> [Vec3x8; 3] {
+    let open = read(&data.leaves[leaf as usize]);
+    match &data.motion {
+        Some(motion) if MOVING => {
+            let closing = read(&motion.leaves[leaf as usize]);
+            [0, 1, 2].map(|corner| between(open[corner], closing[corner], time))
+        }
+        _ => open,
+    }
+}
+
+#[inline(always)]
+fn splat(leaf: &Leaf8, slot: usize) -> [Vec3x8; 3] {
     leaf.corners.each_ref().map(|c| Vec3x8::splat([0, 1, 2].map(|axis| c[axis][slot & 7])))
 }
 
-/// The corners of all triangles of a leaf, one a lane.
 #[inline(always)]
-fn all(leaf: &Leaf8) -> [Vec3x8; 3] {
+fn lanes(leaf: &Leaf8) -> [Vec3x8; 3] {
     leaf.corners.each_ref().map(|[x, y, z]| Vec3x8::new((*x).into(), (*y).into(), (*z).into()))
 }
 

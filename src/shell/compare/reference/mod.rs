@@ -188,6 +188,10 @@ fn fingerprint_of(picture_version: u32, scene: &LoadedScene, settings: &Settings
     add(&picture_version.to_le_bytes());
     add(bytemuck::cast_slice(&scene.triangles));
     add(bytemuck::cast_slice(&scene.surfaces));
+    if !scene.moved.triangles.is_empty() {
+        add(bytemuck::cast_slice(&scene.moved.triangles));
+        add(bytemuck::cast_slice(&scene.moved.normals));
+    }
     add(bytemuck::cast_slice(&scene.materials));
     add(bytemuck::cast_slice(&scene.colours));
     for t in &scene.textures {

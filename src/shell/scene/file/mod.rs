@@ -65,10 +65,6 @@ pub(super) fn load_scene(path: &Path, add_mesh: AddMesh, options: &Options) -> R
     let frames = scene.frames().map_err(blame)?;
     let mut script = Script { frames, shutter: scene.shutter(), moving: scene.moves(), ..Script::default() };
     let mut assembly = Assembly::new(options.strict);
-    if script.shutter > 0.0 && script.moving {
-        let what = "the shutter blurs what the camera does; objects stand still while it is open";
-        assembly.warn(format!("{}: {what}", path.display()));
-    }
     let mut names = BTreeMap::new();
     for (name, table) in &scene.materials {
         let index = assembly.add_named(table.material(), name);

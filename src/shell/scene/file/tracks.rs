@@ -104,7 +104,7 @@ impl LightTable {
     /// # Errors
     /// If it has no area.
     pub fn placement(&self, frame: u32) -> Result<Placement, &'static str> {
-        self.track().at(frame)
+        self.track().at(f64::from(frame))
     }
 
     /// The radiance over time, of this material.

@@ -95,7 +95,7 @@ impl Lights {
                     notes.add("still", || "directional lights stay as they are in the first frame".into());
                 }
                 // A light shines along −z.
-                let back = track.at(0).unwrap_or(Placement::IDENTITY).normal(Vec3::Z);
+                let back = track.at(0.0).unwrap_or(Placement::IDENTITY).normal(Vec3::Z);
                 self.distant.push((back.normalize_or(Vec3::Z), intensity));
             }
             Kind::Point => self.lamps.push(Lamp { node, intensity, cone: None }),
@@ -115,7 +115,7 @@ impl Lights {
         paths: &mut Vec<ObjectTrack>,
         track: impl Fn(usize) -> ObjectTrack,
     ) {
-        let place = |track: &ObjectTrack| track.at(0).unwrap_or(Placement::IDENTITY);
+        let place = |track: &ObjectTrack| track.at(0.0).unwrap_or(Placement::IDENTITY);
         let placements: Vec<Placement> = paths.iter().map(place).collect();
         let tracks: Vec<ObjectTrack> = self.lamps.iter().map(|lamp| track(lamp.node)).collect();
         let points: Vec<DVec3> = tracks.iter().map(|track| place(track).exact(Vec3::ZERO)).collect();

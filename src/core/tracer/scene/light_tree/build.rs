@@ -3,6 +3,7 @@
 use super::node::{LIGHT_LEAF, LightNode8, MAX_LIGHT_DEPTH};
 use crate::maths::vec3;
 use crate::tracer::scene::light::{self, Light};
+use crate::tracer::scene::motion::normals;
 use crate::tracer::scene::surface::{Material, Surface, Triangle};
 use core::f32::consts::{FRAC_PI_2, PI};
 
@@ -19,10 +20,12 @@ pub const fn required(lights: usize) -> usize {
 /// Fills `nodes` with a tree over `lights`, writes their paths, and returns how many nodes it has: 0 where the table
 /// of powers serves as well, or where a slice is too short.
 ///
-/// `lights` is what [`light::build`] has made of the same triangles, surfaces and materials. `order` is scratch for as
-/// many entries; [`required`] says how long `nodes` should be.
+/// `lights` is what [`light::build`] has made of the same triangles, surfaces and materials. `closing` is where the triangles
+/// are as the shutter closes; empty if they stand still. `order` is scratch for as many entries; [`required`] says how long
+/// `nodes` should be.
 pub fn build(
     triangles: &[Triangle],
+    closing: &[Triangle],
     surfaces: &[Surface],
     materials: &[Material],
     lights: &mut [Light],
@@ -39,7 +42,8 @@ pub fn build(
     }
     let order = &mut order[..count];
     (0..).zip(order.iter_mut()).for_each(|(i, slot)| *slot = i);
-    let mut builder = Builder { triangles, surfaces, materials, lights, nodes, used: 0, scale: 1.0 };
+    let closing = if closing.len() == triangles.len() { closing } else { triangles };
+    let mut builder = Builder { triangles, closing, surfaces, materials, lights, nodes, used: 0, scale: 1.0 };
     let power: f32 = order.iter().map(|&i| builder.power(i)).sum();
     builder.scale = 1.0 / power;
     if !(power.is_finite() && builder.scale.is_finite()) {
@@ -103,6 +107,7 @@ fn spread(cosine: f32) -> f32 {
 
 struct Builder<'a> {
     triangles: &'a [Triangle],
+    closing: &'a [Triangle],
     surfaces: &'a [Surface],
     materials: &'a [Material],
     lights: &'a mut [Light],
@@ -113,8 +118,15 @@ struct Builder<'a> {
 }
 
 impl Builder<'_> {
-    fn corners(&self, light: u32) -> [[f32; 3]; 3] {
-        self.triangles[self.lights[light as usize].triangle as usize].corners
+    /// A light's triangle as the shutter opens and closes.
+    fn triangles(&self, light: u32) -> [&Triangle; 2] {
+        let triangle = self.lights[light as usize].triangle as usize;
+        [&self.triangles[triangle], &self.closing[triangle]]
+    }
+
+    /// All its corners.
+    fn corners(&self, light: u32) -> impl Iterator<Item = [f32; 3]> {
+        self.triangles(light).into_iter().flat_map(|triangle| triangle.corners)
     }
 
     fn power(&self, light: u32) -> f32 {
@@ -123,17 +135,19 @@ impl Builder<'_> {
         light::power(&self.triangles[triangle], material) as f32
     }
 
-    fn normal(&self, light: u32) -> [f32; 3] {
-        let [a, b, c] = self.corners(light);
-        vec3::normalized(vec3::cross(vec3::sub(b, a), vec3::sub(c, a))).unwrap_or([0.0, 0.0, 1.0])
+    /// Normals between which all its normals lie.
+    fn normals(&self, light: u32) -> [[f32; 3]; 3] {
+        let [open, closing] = self.triangles(light);
+        normals(open, closing).map(|normal| normal.unwrap_or([0.0, 0.0, 1.0]))
     }
 
     fn single(&self, light: u32) -> Group {
-        let corners = self.corners(light);
-        let pick =
-            |f: fn(f32, f32) -> f32| [0, 1, 2].map(|i| f(f(corners[0][i], corners[1][i]), corners[2][i]));
-        let (lower, upper) = (pick(f32::min), pick(f32::max));
-        Group { lower, upper, normals: self.normal(light), power: self.power(light), count: 1.0 }
+        let pick = |f: fn(f32, f32) -> f32, start: f32| {
+            self.corners(light).fold([start; 3], |all, corner| [0, 1, 2].map(|i| f(all[i], corner[i])))
+        };
+        let (lower, upper) = (pick(f32::min, f32::INFINITY), pick(f32::max, f32::NEG_INFINITY));
+        let [open, ..] = self.normals(light);
+        Group { lower, upper, normals: open, power: self.power(light), count: 1.0 }
     }
 
     fn group(&self, lights: &[u32]) -> Group {
@@ -208,8 +222,8 @@ impl Builder<'_> {
 
     /// Twice the coordinate of a light's centre.
     fn middle(&self, light: u32, axis: usize) -> f32 {
-        let [a, b, c] = self.corners(light).map(|corner| corner[axis]);
-        a.min(b).min(c) + a.max(b).max(c)
+        let Group { lower, upper, .. } = self.single(light);
+        lower[axis] + upper[axis]
     }
 
     /// The axis and the coordinate of [`middle`](Self::middle) that part the lights at least cost.
@@ -248,7 +262,9 @@ impl Builder<'_> {
                 let away = vec3::sub(corner, centre);
                 square = square.max(vec3::dot(away, away));
             }
-            cosine = cosine.min(vec3::dot(self.normal(light), axis));
+            for normal in self.normals(light) {
+                cosine = cosine.min(vec3::dot(normal, axis));
+            }
         }
         let node = &mut self.nodes[node];
         for i in 0..3 {

@@ -1,12 +1,13 @@
 use super::*;
 use crate::maths::sobol::hash;
-use crate::tracer::scene::{Material, Surface, Triangle};
+use crate::tracer::scene::{Material, Motion, Surface, Triangle};
 
 impl SurfacePoints {
     /// The plane z = 0 of this material, its shading normal up, met at this cosine to its front.
     pub(in crate::tracer::shade) fn flat(material: &Material, cosine: f32) -> Self {
         let up = Vec3x8::splat([0.0, 0.0, 1.0]);
         SurfacePoints {
+            time: f32x8::ZERO,
             hit: super::super::queue::lane_mask(0xff),
             position: Vec3x8::default(),
             facing: up,
@@ -184,7 +185,7 @@ fn hits(random: &mut Random) -> (Rays8, Hits8) {
         }
     }
     let direction = Vec3x8::new(direction[0].into(), direction[1].into(), direction[2].into());
-    let rays = Rays8 { origin: Vec3x8::default(), direction, t_max: f32x8::ONE };
+    let rays = Rays8 { origin: Vec3x8::default(), direction, t_max: f32x8::ONE, ..Rays8::default() };
     (rays, Hits8 { t: f32x8::ONE, u: u.into(), v: v.into(), triangle: triangle.into() })
 }
 
@@ -226,6 +227,35 @@ fn every_lane_is_what_a_scalar_twin_finds() {
         }
     }
     assert!(fronts > 1000 && backs > 1000, "both sides were seen: {fronts}, {backs}");
+}
+
+/// What moves is where its corners are on their straight way, and its normals are between those at the ends.
+#[test]
+fn what_moves_is_between_its_places() {
+    let mut random = Random(11);
+    let (open, closing) = (World::new(&mut random), World::new(&mut random));
+    let normals = closing.surfaces.map(|surface| surface.normals);
+    let motion = Motion { triangles: &closing.triangles, leaves: &[], normals: &normals };
+    let moving = Scene::new(SceneData { motion: Some(motion), ..*open.scene().data() }).unwrap();
+    for time in [0.0, 0.25, 0.75] {
+        let mix = |a: [[f32; 3]; 3], b: [[f32; 3]; 3]| {
+            [0, 1, 2].map(|k| [0, 1, 2].map(|c| a[k][c] + (b[k][c] - a[k][c]) * time))
+        };
+        let mut then = World { ..World::new(&mut random) };
+        for i in 0..TRIANGLES {
+            then.triangles[i].corners = mix(open.triangles[i].corners, closing.triangles[i].corners);
+            then.surfaces[i] =
+                Surface { normals: mix(open.surfaces[i].normals, normals[i]), ..open.surfaces[i] };
+        }
+        let (rays, hits) = hits(&mut random);
+        let found = SurfacePoints::at(&moving, &Rays8 { time: f32x8::splat(time), ..rays }, &hits);
+        let expected = SurfacePoints::at(&then.scene(), &rays, &hits);
+        for at in (0..8).filter(|at| *at != 5) {
+            assert!(close(lane(found.position, at), lane(expected.position, at), ROUNDING), "{time}");
+            assert!(close(lane(found.normal, at), lane(expected.normal, at), ROUNDING), "{time}");
+            assert!(close(lane(found.facing, at), lane(expected.facing, at), ROUNDING), "{time}");
+        }
+    }
 }
 
 /// Rays leave off the surface, on the side they go to.

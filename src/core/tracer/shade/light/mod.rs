@@ -37,20 +37,22 @@ pub(super) struct LightPoints {
 pub(super) struct Lights<'a> {
     scene: &'a Scene<'a>,
     tree: Option<Root<'a>>,
+    /// When they are looked at.
+    time: f32x8,
 }
 
 impl<'a> Lights<'a> {
     /// Weighs the lights, of which the scene must have one.
     #[inline(always)]
-    pub fn new(scene: &'a Scene<'_>, receiver: impl FnOnce() -> Receiver) -> Self {
+    pub fn new(scene: &'a Scene<'_>, time: f32x8, receiver: impl FnOnce() -> Receiver) -> Self {
         let data = scene.data();
         let tree = (!data.light_nodes.is_empty()).then(|| Root::new(data.light_nodes, receiver()));
-        Lights { scene, tree }
+        Lights { scene, tree, time }
     }
 
     /// The lights by power alone, without a receiver. The scene must have one.
-    pub fn by_power(scene: &'a Scene<'_>) -> Self {
-        Lights { scene, tree: None }
+    pub fn by_power(scene: &'a Scene<'_>, time: f32x8) -> Self {
+        Lights { scene, tree: None, time }
     }
 
     /// Picks points on the lights from uniform numbers `u`, `v` in `[0, 1)`.
@@ -59,7 +61,7 @@ impl<'a> Lights<'a> {
         let data = self.scene.data();
         let picked = self.tree.as_ref().map_or_else(|| by_power(data, u), |tree| tree.pick(u));
         let triangle = picked.light.map(|i| data.lights[i as usize].triangle);
-        let [a, b, c] = fetch::corners(data, triangle);
+        let [a, b, c] = fetch::corners(data, triangle, self.time);
         let root = picked.again.sqrt();
         let position = a + (b - a) * (root * (f32x8::ONE - v)) + (c - a) * (root * v);
         let material = triangle.map(|i| data.surfaces[i as usize].material);
@@ -81,29 +83,39 @@ impl<'a> Lights<'a> {
     }
 }
 
-/// The density per unit area that [`Lights::sample`] has for `receiver` on triangles of typical radiance `emission`, in
-/// the lanes whose bit is set in `lanes`.
+/// Eight triangles that emit.
+pub(super) struct Emitting {
+    /// Their indices.
+    pub triangle: u32x8,
+    /// When they are looked at.
+    pub time: f32x8,
+    /// Their typical radiances.
+    pub radiance: Vec3x8,
+}
+
+/// The density per unit area that [`Lights::sample`] has for `receiver` on triangles that emit, in the lanes whose bit is set
+/// in `lanes`.
 #[inline(always)]
 pub(super) fn density(
     scene: &Scene<'_>,
     receiver: impl FnOnce() -> Receiver,
-    triangle: u32x8,
-    emission: Vec3x8,
+    emitting: &Emitting,
     lanes: u32,
 ) -> f32x8 {
     match scene.data().light_nodes {
-        [] => luminance8(emission.into()) * f32x8::splat(scene.inverse_power()),
-        _ => tree_density(scene.data(), &receiver(), triangle.to_array(), lanes),
+        [] => luminance8(emitting.radiance.into()) * f32x8::splat(scene.inverse_power()),
+        _ => tree_density(scene.data(), &receiver(), emitting, lanes),
     }
 }
 
-fn tree_density(data: &SceneData<'_>, receiver: &Receiver, triangle: [u32; 8], lanes: u32) -> f32x8 {
+fn tree_density(data: &SceneData<'_>, receiver: &Receiver, emitting: &Emitting, lanes: u32) -> f32x8 {
+    let (triangle, time) = (emitting.triangle.to_array(), emitting.time.to_array());
     let mut density = [0.0; 8];
     for lane in (0..8).filter(|lane| lanes >> lane & 1 == 1) {
         if let Ok(found) = data.lights.binary_search_by_key(&triangle[lane], |light| light.triangle) {
             let light = &data.lights[found];
             let probability = tree::probability(data.light_nodes, light.path, receiver, lane);
-            density[lane] = probability / area(&data.triangles[triangle[lane] as usize]);
+            density[lane] = probability / area(&data.triangle_at(triangle[lane], time[lane]));
         }
     }
     density.into()

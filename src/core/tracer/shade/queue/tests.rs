@@ -1,6 +1,7 @@
 extern crate std;
 
 use super::*;
+use crate::tracer::scene::SceneData;
 use std::vec::Vec;
 
 const LANES: [u32; 8] = [0, 1, 2, 3, 4, 5, 6, 7];
@@ -122,7 +123,7 @@ fn a_full_queue_is_read_and_written_at_once() {
 #[test]
 fn lanes_beyond_those_in_use_take_no_part() {
     for lanes in 1..=8 {
-        let rays = Paths { lanes, ..paths(0, |n| n) }.rays();
+        let rays = Paths { lanes, ..paths(0, |n| n) }.rays(&Scene::new(SceneData::default()).unwrap());
         assert_eq!(rays.active(), (1 << lanes) - 1, "{lanes} lanes");
         assert_eq!(rays.t_max.to_array()[0], f32::INFINITY);
     }

@@ -6,6 +6,7 @@ fn rays(first: u32, slot: fn(u32) -> u32) -> ShadowRays {
     let row = |factor: f32, offset: f32| f32x8::from(number.map(|n| n as f32 * factor + offset));
     let vector = |offset: f32| Vec3x8::new(row(1.0, offset), row(1.0, offset + 0.25), row(1.0, offset + 0.5));
     ShadowRays {
+        time: row(1.0, 400.0),
         origin: vector(100.0),
         direction: vector(200.0),
         t_max: row(1.0, 300.0),
@@ -76,6 +77,7 @@ fn what_does_not_fit_is_handed_back() {
         assert_eq!(packed.direction.y.to_array()[lane], number + 200.25);
         assert_eq!(packed.direction.z.to_array()[lane], number + 200.5);
         assert_eq!(packed.t_max.to_array()[lane], number + 300.0);
+        assert_eq!(packed.time.to_array()[lane], number + 400.0);
     }
 }
 

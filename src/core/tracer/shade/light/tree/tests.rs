@@ -67,7 +67,7 @@ impl Lamps {
         assert_eq!(made, count);
         let lights = &mut lamps.lights[..count];
         let mut order = [0; MOST];
-        lamps.used = build(triangles, surfaces, &lamps.materials, lights, &mut order, &mut lamps.nodes);
+        lamps.used = build(triangles, &[], surfaces, &lamps.materials, lights, &mut order, &mut lamps.nodes);
         lamps
     }
 
@@ -161,6 +161,7 @@ fn lights_in_one_place_make_a_tree() {
     let mut order = [0; MOST];
     lamps.used = build(
         &lamps.triangles,
+        &[],
         &lamps.surfaces,
         &lamps.materials,
         &mut lamps.lights,
@@ -178,7 +179,7 @@ fn few_lights_need_no_tree_and_too_little_memory_makes_none() {
     let mut lamps = Lamps::new(9, 5);
     let mut short = [0; 8];
     let (lights, nodes) = (&mut lamps.lights[..9], &mut lamps.nodes);
-    assert_eq!(build(&lamps.triangles, &lamps.surfaces, &lamps.materials, lights, &mut short, nodes), 0);
+    assert_eq!(build(&lamps.triangles, &[], &lamps.surfaces, &lamps.materials, lights, &mut short, nodes), 0);
 }
 
 #[test]
