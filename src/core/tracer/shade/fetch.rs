@@ -7,20 +7,20 @@ use wide::{f32x8, u32x8};
 /// The corners of eight triangles, each at its time.
 #[inline(always)]
 pub(super) fn corners(data: &SceneData<'_>, triangle: [u32; 8], time: f32x8) -> [Vec3x8; 3] {
-    let open = standing(data.triangles, triangle);
     match &data.motion {
-        None => open,
-        Some(motion) => on_the_way(open, standing(motion.triangles, triangle), time),
+        None => standing(data.triangles, triangle),
+        Some(motion) => moving_corners(data, motion, triangle, time),
     }
 }
 
-/// Corners or normals on their way from one place to another. Kept out of the loops that call it.
+/// Kept out of the loops that call it, and fetching all itself: scenes that stand still pay no copy for it.
 #[inline(never)]
-pub(super) fn on_the_way(open: [Vec3x8; 3], closing: [Vec3x8; 3], time: f32x8) -> [Vec3x8; 3] {
+fn moving_corners(data: &SceneData<'_>, motion: &Motion<'_>, triangle: [u32; 8], time: f32x8) -> [Vec3x8; 3] {
+    let (open, closing) = (standing(data.triangles, triangle), standing(motion.triangles, triangle));
     [0, 1, 2].map(|corner| between(open[corner], closing[corner], time))
 }
 
-/// The normals at the corners of eight triangles as the shutter closes.
+/// The shading normals at the corners of eight triangles as the shutter closes.
 pub(super) fn closing_normals(motion: &Motion<'_>, triangle: [u32; 8]) -> [Vec3x8; 3] {
     columns(motion.normals, triangle)
 }

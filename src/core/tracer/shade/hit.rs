@@ -3,7 +3,7 @@
 use super::fetch::{self, Materials, Surfaces};
 use super::site::Sites;
 use crate::maths::vec3::Vec3x8;
-use crate::tracer::scene::{NO_TEXTURE, Scattering, Scene, SceneData, Texture};
+use crate::tracer::scene::{Motion, NO_TEXTURE, Scattering, Scene, SceneData, Texture, between};
 use crate::tracer::trace::{Hits8, MISS, Rays8};
 use wide::{f32x8, u32x8};
 
@@ -49,13 +49,11 @@ impl SurfacePoints {
         let front = (b - a).cross(c - a).normalized();
         let cosine = -rays.direction.dot(front);
         let surface = fetch::surfaces(data, triangle);
-        let normals = match &data.motion {
-            None => surface.normals,
-            Some(motion) => {
-                fetch::on_the_way(surface.normals, fetch::closing_normals(motion, triangle), rays.time)
-            }
+        let smooth = match &data.motion {
+            None => interpolate(surface.normals, weights),
+            Some(motion) => moving_normal(motion, triangle, surface.normals, weights, rays.time),
         };
-        let normal = shading_normal(interpolate(normals, weights), front, rays.direction);
+        let normal = shading_normal(smooth, front, rays.direction);
         let material = fetch::materials(data, surface.material);
         let mut diffuse = material.diffuse;
         if is_some(material.texture).any() {
@@ -135,6 +133,19 @@ fn interpolate(corner: [Vec3x8; 3], weights: [f32x8; 3]) -> Vec3x8 {
 pub(super) fn largest(corners: [Vec3x8; 3]) -> f32x8 {
     let of = |v: Vec3x8| v.x.abs().fast_max(v.y.abs()).fast_max(v.z.abs());
     of(corners[0]).fast_max(of(corners[1])).fast_max(of(corners[2]))
+}
+
+/// The interpolated normal, not of unit length, on its way between those of two places.
+#[inline(never)]
+fn moving_normal(
+    motion: &Motion<'_>,
+    triangle: [u32; 8],
+    open: [Vec3x8; 3],
+    weights: [f32x8; 3],
+    time: f32x8,
+) -> Vec3x8 {
+    let closing = fetch::closing_normals(motion, triangle);
+    between(interpolate(open, weights), interpolate(closing, weights), time)
 }
 
 /// The interpolated normal on the side the ray came from; the geometric one where the triangle is flat.
