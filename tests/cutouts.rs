@@ -182,6 +182,21 @@ fn black_parts_of_pictures_are_no_lamps() {
 }
 
 #[test]
+fn normal_maps_are_read_as_they_are_written() {
+    let pixels = image::RgbaImage::from_pixel(2, 1, image::Rgba([255, 51, 0, 255]));
+    let obj = "mtllib s.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl m\nf 1/1 2/2 3/3\n";
+    let bent = scene(obj, "newmtl m\nKd 1 1 1\nnorm -s 2 -2 p.png\n", &[("p.png", pixels.clone())], BELOW);
+    let texture = bent.textures[bent.normal_maps[bent.surfaces[0].material as usize] as usize];
+    assert_eq!(
+        (texture.scale, bent.texels[texture.first as usize]),
+        ([2.0, -2.0], [1.0, 2.0 * 0.2 - 1.0, -1.0])
+    );
+    let glass = scene(obj, "newmtl m\nd 0\nNi 1.5\nnorm p.png\n", &[("p.png", pixels)], BELOW);
+    assert!(glass.normal_maps.is_empty());
+    assert!(glass.warnings.iter().any(|w| w.contains("norm is without effect on mirrors and glass")));
+}
+
+#[test]
 fn vertices_bring_colours_where_there_is_no_texture() {
     let obj = "mtllib s.mtl\nv 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 0 0 0.5\nv 1 1 0\nusemtl a\nf 1 2 3\nusemtl b\nf 2 4 3\n";
     let mtl = "newmtl a\nKd 1 1 1\nnewmtl b\nKd 1 1 1\nmap_Kd p.png\n";

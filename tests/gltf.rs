@@ -846,6 +846,43 @@ fn damaged_files_are_refused() {
     assert_eq!(load(&folder.path().join("b.gltf")).unwrap().triangles.len(), 2);
 }
 
+/// A white surface that faces a lamp, all of its normals leaning by the same angle, reflects that angle's cosine.
+#[test]
+fn normal_maps_bend_what_is_lit() {
+    let mut bare = Gltf::new();
+    // 2 · 204/255 − 1 = 0.6 along u, 0.8039 up.
+    let texture = bare.texture(&picture(1, &[[204, 128, 230, 255]]));
+    let lights = json!([{ "type": "directional", "intensity": 1 }]);
+    bare.json["extensions"] = json!({ "KHR_lights_punctual": { "lights": lights } });
+    bare.add("nodes", json!({ "extensions": { "KHR_lights_punctual": { "light": 0 } } }));
+    let lit = |normal: Value| {
+        let mut stated = json!({ "extensions": { "KHR_materials_unlit": {} } });
+        if !normal.is_null() {
+            stated["normalTexture"] = normal;
+        }
+        let gltf = Gltf { json: bare.json.clone(), bin: bare.bin.clone() }.with_square(stated);
+        let scene =
+            loaded(&gltf.using(&["KHR_lights_punctual", "KHR_materials_unlit", "KHR_texture_transform"]));
+        let maps = scene.normal_maps.iter().filter(|map| **map != NO_TEXTURE).count();
+        (mean(&scene, 64), maps)
+    };
+    let ((flat, _), none) = lit(Value::Null);
+    let ratio = |normal: Value, cosine: f64| {
+        let ((leaning, error), maps) = lit(normal);
+        assert_eq!(maps, 1);
+        // The lamp is half a degree wide.
+        let off = (leaning / flat - cosine).abs();
+        assert!(off < 4.0 * error / flat + 1e-3, "{off} ± {}", error / flat);
+    };
+    assert!(none == 0 && flat > 0.0);
+    let cosine = |along: f64| 0.8039 / along.hypot(0.8039);
+    ratio(json!({ "index": texture }), cosine(0.6));
+    ratio(json!({ "index": texture, "scale": 0.5 }), cosine(0.3));
+    // Turned in its plane by a quarter it leans elsewhere, as far.
+    let turn = json!({ "KHR_texture_transform": { "rotation": 1.5707963, "scale": [2, 3] } });
+    ratio(json!({ "index": texture, "extensions": turn }), cosine(0.6));
+}
+
 #[test]
 fn what_has_no_effect_is_named_once() {
     let mut gltf = Gltf::new();
@@ -871,7 +908,6 @@ fn what_has_no_effect_is_named_once() {
         "animations of anything but nodes are left out",
         "skins are left out",
         "morph targets are left out",
-        "material 0: normalTexture is without effect here (2 times)",
         "occlusionTexture is not needed",
         "metallicRoughnessTexture: lobes are even here: its mean is taken (2 times)",
         "shines on its front alone (2 times)",

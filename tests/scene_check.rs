@@ -17,6 +17,7 @@ fn checked(change: impl FnOnce(&mut Parts)) -> Result<(), Error> {
         surfaces: &parts.surfaces,
         colours: &parts.colours,
         materials: &parts.materials,
+        normal_maps: &[],
         textures: &parts.textures,
         texels: &parts.texels,
         lights: &parts.lights,

@@ -56,11 +56,13 @@ pub fn render() -> Option<(Tally, f32)> {
         surfaces: &surfaces,
         colours: &[],
         materials: &materials,
+        normal_maps: &[],
         textures: &[],
         texels: &[],
         lights: &lights[..used],
         light_nodes: &[],
         sky: Some(sky),
+        motion: None,
     });
     sample(scene.ok()?)
 }

@@ -54,6 +54,8 @@ pub(super) struct Assembly {
     materials: Vec<Material>,
     /// What materials are called, where they are.
     names: HashMap<u32, String>,
+    /// Normal maps of materials that have one.
+    normal_maps: HashMap<u32, u32>,
     /// Materials of single triangles by that of their object and the bits of their mean radiance.
     glows: HashMap<(u32, [u32; 3]), u32>,
     pub textures: TextureCache,
@@ -78,6 +80,11 @@ impl Assembly {
         let index = self.add_material(material);
         self.names.insert(index, name.to_owned());
         index
+    }
+
+    /// Gives a material a normal map.
+    pub fn bend(&mut self, material: u32, map: u32) {
+        self.normal_maps.insert(material, map);
     }
 
     /// A material that was added.
@@ -156,10 +163,14 @@ impl Assembly {
         let emission = self.textures.mean(material.emission_texture, corners.map(|c| c.uv.to_array()));
         let is_dark = emission == [0.0; 3];
         let emission_texture = if is_dark { NO_TEXTURE } else { material.emission_texture };
-        let materials = &mut self.materials;
+        let (materials, maps) = (&mut self.materials, &mut self.normal_maps);
         *self.glows.entry((index, emission.map(f32::to_bits))).or_insert_with(|| {
             materials.push(Material { emission, emission_texture, ..material });
-            (materials.len() - 1) as u32
+            let new = (materials.len() - 1) as u32;
+            if let Some(map) = maps.get(&index).copied() {
+                maps.insert(new, map);
+            }
+            new
         })
     }
 
@@ -210,6 +221,11 @@ impl Assembly {
         }
         geometry.sort();
         let (textures, texels) = self.textures.into_parts();
+        let mut normal_maps = Vec::new();
+        if !self.normal_maps.is_empty() {
+            normal_maps = vec![NO_TEXTURE; self.materials.len()];
+            self.normal_maps.iter().for_each(|(material, map)| normal_maps[*material as usize] = *map);
+        }
         let mut scene = LoadedScene {
             name: path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
             path: path.to_owned(),
@@ -225,6 +241,7 @@ impl Assembly {
             placements,
             moved: geometry.moved,
             materials: self.materials,
+            normal_maps,
             textures,
             texels,
             lights: Vec::new(),

@@ -13,6 +13,7 @@
 //! | --- | --- |
 //! | base colour b, `metallicFactor` m, `roughnessFactor` r, index n | diffuse b (1 − m) (1 − F), GGX lobe F (1 − m) + b m of width r², F = ((n − 1) / (n + 1))² |
 //! | their textures | diffuse part, emission, alpha; means for lobes |
+//! | `normalTexture` | normals of all but glass |
 //! | `alphaMode` | `MASK`: cut-out; `BLEND`: partial coverage |
 //! | `KHR_materials_transmission` | with a volume or on closed meshes smooth glass tinted by b, else thin: partly there |
 //! | point and spot light, I cd | sphere of a thousandth of the scene's size or less, 4 I / its area; a spot in a black shell with a hole |

@@ -72,6 +72,8 @@ pub struct LoadedScene {
     pub moved: Moved,
     /// Materials.
     pub materials: Vec<Material>,
+    /// The normal map of each material; empty if none has any.
+    pub normal_maps: Vec<u32>,
     /// Textures.
     pub textures: Vec<Texture>,
     /// Texels of all textures.
@@ -117,6 +119,7 @@ impl LoadedScene {
             surfaces: &self.surfaces,
             colours: &self.colours,
             materials: &self.materials,
+            normal_maps: &self.normal_maps,
             textures: &self.textures,
             texels: &self.texels,
             lights: &self.lights,

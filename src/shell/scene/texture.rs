@@ -33,6 +33,8 @@ pub(super) enum Purpose {
     Light([f32; 3]),
     /// Reflectance as [`Colour`](Self::Colour), whatever the alpha.
     Solid,
+    /// Normals, whose parts along the surface are multiplied by this.
+    Normal(f32),
     /// How much is there: alpha times this factor, or with a cutoff all from there on and nothing below.
     Alpha(f32, Option<f32>),
 }
@@ -44,6 +46,7 @@ impl Purpose {
             Purpose::Mask => [1, 0, 0, 0],
             Purpose::Light([r, g, b]) => [2, r.to_bits(), g.to_bits(), b.to_bits()],
             Purpose::Solid => [3, 0, 0, 0],
+            Purpose::Normal(scale) => [6, scale.to_bits(), 0, 0],
             Purpose::Alpha(factor, None) => [4, factor.to_bits(), 0, 0],
             Purpose::Alpha(factor, Some(cutoff)) => [5, factor.to_bits(), cutoff.to_bits(), 0],
         }
@@ -137,6 +140,12 @@ impl TextureCache {
                     None => clean(a * factor).min(1.0),
                 };
                 self.sheet(width, height, alphas().map(|a| [value(a); 3]))?
+            }
+            Purpose::Normal(scale) => {
+                // As they are written, from −1 to 1.
+                let signed = |v: f32| if v.is_finite() { 2.0 * v - 1.0 } else { 0.0 };
+                let normal = |[x, y, z, _]: [f32; 4]| [scale * signed(x), scale * signed(y), signed(z)];
+                self.sheet(width, height, pixels().map(normal))?
             }
             Purpose::Light(colour) => {
                 let shine =

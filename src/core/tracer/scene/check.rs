@@ -4,7 +4,7 @@ use super::data::{Error, SceneData};
 use super::hierarchy::{MAX_DEPTH, STACK};
 use super::light_tree::{LIGHT_LEAF, LightNode8, MAX_LIGHT_DEPTH, slot};
 use super::motion::normals;
-use super::surface::Triangle;
+use super::surface::{NO_TEXTURE, Triangle};
 use crate::maths::vec3;
 
 /// The first thing found wrong.
@@ -19,6 +19,7 @@ pub(super) fn check(data: &SceneData<'_>) -> Result<(), Error> {
     check_colours(data)?;
     check_each(data.surfaces, Error::Surface, |s| (s.material as usize) < data.materials.len())?;
     check_each(data.materials, Error::Material, |m| m.is_valid(data.textures.len()))?;
+    check_normal_maps(data)?;
     check_each(data.textures, Error::Texture, |t| t.is_valid(data.texels.len()))?;
     check_lights(data)?;
     check_light_tree(data)?;
@@ -34,6 +35,14 @@ fn check_colours(data: &SceneData<'_>) -> Result<(), Error> {
         return Err(Error::Colours(data.colours.len().min(data.triangles.len())));
     }
     check_each(data.colours, Error::Colours, |c| c.as_flattened().iter().all(|v| (0.0..=1.0).contains(v)))
+}
+
+fn check_normal_maps(data: &SceneData<'_>) -> Result<(), Error> {
+    if !data.normal_maps.is_empty() && data.normal_maps.len() != data.materials.len() {
+        return Err(Error::NormalMap(data.normal_maps.len().min(data.materials.len())));
+    }
+    let known = |map: &u32| *map == NO_TEXTURE || (*map as usize) < data.textures.len();
+    check_each(data.normal_maps, Error::NormalMap, known)
 }
 
 /// Walks the hierarchy as a ray would that hits everything.

@@ -22,6 +22,10 @@ pub struct SceneData<'a> {
     pub colours: &'a [[[f32; 3]; 3]],
     /// Materials.
     pub materials: &'a [Material],
+    /// The normal map of each material: the texture of unit vectors x along the texture's u, y along its v and z along the
+    /// shading normal, or [`NO_TEXTURE`](super::NO_TEXTURE); need not be of unit length. Of [`Rough`](super::Scattering::Rough)
+    /// materials alone. Empty: no material has any.
+    pub normal_maps: &'a [u32],
     /// Textures.
     pub textures: &'a [Texture],
     /// Linear RGB texels of all textures.
@@ -72,6 +76,8 @@ pub enum Error {
     Surface(usize),
     /// The material of this index has a value out of range or names a texture that does not exist.
     Material(usize),
+    /// `normal_maps` is neither empty nor as long as `materials`, or this material's is a texture that does not exist.
+    NormalMap(usize),
     /// The texture of this index is empty or reaches beyond the texels.
     Texture(usize),
     /// The light of this index names no triangle, or the probabilities do not rise to one.
@@ -104,6 +110,7 @@ impl core::fmt::Display for Error {
             Error::TooDeep => write!(f, "the hierarchy has more than {MAX_DEPTH} levels"),
             Error::Surface(i) => write!(f, "surface {i} names a material that is not there"),
             Error::Material(i) => write!(f, "material {i} has a value out of range or no such texture"),
+            Error::NormalMap(i) => write!(f, "the normal map of material {i} is missing or no such texture"),
             Error::Texture(i) => write!(f, "texture {i} is empty or reaches beyond the texels"),
             Error::LightPath(i) => write!(f, "the light tree does not lead to light {i} or does not hold it"),
             Error::LightNode(i) => {

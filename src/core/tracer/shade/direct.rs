@@ -93,7 +93,7 @@ impl<'a> DirectLighting<'a> {
             let index = nth(paths, scattered, number);
             let point = sobol::point(index, paths.key, SETS * depth - 1);
             let mut next = part;
-            scatter(&mut next, &frame, &bsdf, rough, point, || {
+            scatter(&mut next, surface, &frame, &bsdf, rough, point, || {
                 sobol::point(index, paths.key, SETS * depth).0
             });
             vertex::reject_nan(&next, rough, radiance);

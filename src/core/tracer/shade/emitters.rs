@@ -7,6 +7,7 @@ use super::rough::Rough;
 use super::shadow::{ShadowRays, accumulate};
 use super::sky::{self, SkyPoints};
 use super::vertex::{Frame, aim, lights, power_heuristic};
+use crate::maths::vec3::Vec3x8;
 use crate::sampler::batch::Rgb8;
 use crate::tracer::scene::{Scene, Sky};
 use crate::tracer::trace::Hits8;
@@ -103,12 +104,13 @@ fn aim_at_sky(
 ) -> ShadowRays {
     let (value, scattered) = bsdf.evaluate(frame.to_local(point.direction));
     let weight = power_heuristic(point.density, scattered * share) / point.density;
+    let value = paths.throughput.scaled(value).scaled(point.radiance) * weight;
     ShadowRays {
         origin: surface.leave(point.direction),
         direction: point.direction,
         t_max: f32x8::splat(f32::INFINITY),
         time: surface.time,
-        value: paths.throughput.scaled(value).scaled(point.radiance) * weight,
+        value: Vec3x8::select(surface.faces(point.direction), value, Vec3x8::default()),
         slot: paths.slot,
     }
 }

@@ -1,5 +1,6 @@
 //! What the surface is like where eight rays meet it.
 
+use super::bump::Bend;
 use super::fetch::{self, Materials, Surfaces};
 use super::site::Sites;
 use crate::maths::vec3::Vec3x8;
@@ -37,6 +38,8 @@ pub(super) struct SurfacePoints {
     pub typical_emission: Vec3x8,
     /// Distance from the surface at which rays start.
     clearance: f32x8,
+    /// Whether shading normals may be so far from geometric ones that light would come through the surface.
+    bent: bool,
 }
 
 impl SurfacePoints {
@@ -53,8 +56,15 @@ impl SurfacePoints {
             None => interpolate(surface.normals, weights),
             Some(motion) => moving_normal(motion, triangle, surface.normals, weights, rays.time),
         };
-        let normal = shading_normal(smooth, front, rays.direction);
+        let mut normal = shading_normal(smooth, front, rays.direction);
         let material = fetch::materials(data, surface.material);
+        let bent = !data.normal_maps.is_empty();
+        if bent {
+            let (scattering, direction) = (material.scattering, rays.direction);
+            let corners = &[a, b, c];
+            let bend = Bend { corners, surface: &surface, weights, scattering, front, direction };
+            normal = bend.apply(data, normal);
+        }
         let mut diffuse = material.diffuse;
         if is_some(material.texture).any() {
             diffuse = diffuse.scaled(textured(data, material.texture, surface.coordinates(weights)));
@@ -81,6 +91,7 @@ impl SurfacePoints {
             emission,
             typical_emission: material.emission,
             clearance: largest([a, b, c]) * f32x8::splat(CLEARANCE),
+            bent,
         }
     }
 
@@ -102,6 +113,7 @@ impl SurfacePoints {
             emission: none,
             typical_emission: none,
             clearance: sites.reach * f32x8::splat(CLEARANCE),
+            bent: false,
         }
     }
 
@@ -110,6 +122,16 @@ impl SurfacePoints {
     pub fn scatters(&self, kind: Scattering) -> f32x8 {
         let kind: f32x8 = bytemuck::cast(self.scattering.simd_eq(u32x8::splat(kind as u32)));
         kind & self.hit
+    }
+
+    /// The lanes in which light from a unit `direction` reaches the surface, or goes there: all of them where no normal is bent.
+    #[inline(always)]
+    pub fn faces(&self, direction: Vec3x8) -> f32x8 {
+        if self.bent {
+            direction.dot(self.facing).simd_gt(f32x8::ZERO)
+        } else {
+            f32x8::splat(f32::from_bits(!0))
+        }
     }
 
     /// Where a ray in direction `toward` starts: off the surface by more than the rounding of both.
@@ -163,7 +185,7 @@ fn shading_normal(smooth: Vec3x8, front: Vec3x8, direction: Vec3x8) -> Vec3x8 {
 impl Surfaces {
     /// Texture coordinates at barycentric weights.
     #[inline(always)]
-    fn coordinates(&self, weights: [f32x8; 3]) -> (f32x8, f32x8) {
+    pub(super) fn coordinates(&self, weights: [f32x8; 3]) -> (f32x8, f32x8) {
         let mix = |[a, b, c]: [f32x8; 3]| a * weights[0] + b * weights[1] + c * weights[2];
         (mix(self.uv.map(|t| t.0)), mix(self.uv.map(|t| t.1)))
     }
@@ -171,7 +193,7 @@ impl Surfaces {
 
 /// The lanes that have a texture.
 #[inline(always)]
-fn is_some(texture: u32x8) -> f32x8 {
+pub(super) fn is_some(texture: u32x8) -> f32x8 {
     bytemuck::cast(texture.simd_ne(u32x8::splat(NO_TEXTURE)))
 }
 
@@ -217,7 +239,7 @@ pub(super) fn visible_emission(scene: &Scene<'_>, triangle: [u32; 8], weights: [
 }
 
 /// Texture values by lane, white where a lane has none.
-fn textured(data: &SceneData<'_>, texture: u32x8, (u, v): (f32x8, f32x8)) -> Vec3x8 {
+pub(super) fn textured(data: &SceneData<'_>, texture: u32x8, (u, v): (f32x8, f32x8)) -> Vec3x8 {
     let (u, v) = (u.to_array(), v.to_array());
     let mut rgb = [[1.0f32; 8]; 3];
     for (lane, texture) in texture.to_array().into_iter().enumerate().filter(|t| t.1 != NO_TEXTURE) {

@@ -1,6 +1,6 @@
 //! From hits to radiance: materials, lights and the integrators that combine them.
 //!
-//! * `hit` – what the surface is like where a ray meets it; `fetch` – how its records are fetched;
+//! * `hit` – what the surface is like where a ray meets it; `fetch` – how its records are fetched; `bump` – normal maps;
 //! * [`cutout`] – surfaces that are only partly there;
 //! * `light` – picking a light and a point on it; `sky` – directions to the sky; `emitters` – both of them;
 //! * `rough`, `specular` – the scattering functions;
@@ -11,6 +11,7 @@
 //! * [`features`] – what is seen without light;
 //! * [`shoot`], [`gather`] – photons from the lights, and the integrator that looks them up; `source` – where photons start.
 
+mod bump;
 pub mod cutout;
 pub mod direct;
 mod emitters;

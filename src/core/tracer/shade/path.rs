@@ -152,7 +152,7 @@ impl<'a> PathTracer<'a> {
         let point = sobol::point(next.index, next.key, SETS * depth - 1);
         let (index, key) = (next.index, next.key);
         let part = || sobol::point(index, key, SETS * depth).0;
-        scatter(next, &frame, &bsdf, rough, point, part);
+        scatter(next, surface, &frame, &bsdf, rough, point, part);
     }
 
     /// Queues the shadow rays in the lanes of `rough` that carry anything.

@@ -81,7 +81,7 @@ pub(super) fn aim(
     let weight = power_heuristic(point.density * per_solid_angle, scattered * share)
         / (point.exact_density * per_solid_angle);
     let value = paths.throughput.scaled(value).scaled(point.radiance) * weight;
-    let lit = cosine.simd_gt(f32x8::ZERO);
+    let lit = cosine.simd_gt(f32x8::ZERO) & surface.faces(direction);
     let origin = surface.leave(toward);
     let ray = point.position - origin;
     let length = ray.length();
@@ -99,6 +99,7 @@ pub(super) fn aim(
 #[inline(always)]
 pub(super) fn scatter(
     next: &mut Paths,
+    surface: &SurfacePoints,
     frame: &Frame,
     bsdf: &Rough,
     rough: f32x8,
@@ -110,9 +111,11 @@ pub(super) fn scatter(
     let weight = value * (f32x8::ONE / density);
     let none = Vec3x8::default();
     // Not "above 0": a density that is not a number must not end the path like one of zero (see `reject_nan`).
-    let throughput = Vec3x8::select(density.simd_le(f32x8::ZERO), none, next.throughput.scaled(weight));
+    let direction = frame.to_world(incoming);
+    let lost = density.simd_le(f32x8::ZERO) | !surface.faces(direction);
+    let throughput = Vec3x8::select(lost, none, next.throughput.scaled(weight));
     next.throughput = Vec3x8::select(rough, throughput, next.throughput);
-    next.direction = Vec3x8::select(rough, frame.to_world(incoming), next.direction);
+    next.direction = Vec3x8::select(rough, direction, next.direction);
     next.density = rough.select(density, next.density);
 }
 

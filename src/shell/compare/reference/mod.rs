@@ -194,6 +194,9 @@ fn fingerprint_of(picture_version: u32, scene: &LoadedScene, settings: &Settings
     }
     add(bytemuck::cast_slice(&scene.materials));
     add(bytemuck::cast_slice(&scene.colours));
+    if !scene.normal_maps.is_empty() {
+        add(bytemuck::cast_slice(&scene.normal_maps));
+    }
     for t in &scene.textures {
         add(bytemuck::cast_slice(&[t.width, t.height, t.first, u32::from(t.clamp)]));
         add(bytemuck::cast_slice(&[t.scale, t.offset]));

@@ -4,7 +4,7 @@
 //!   reflectance F (1 − m) + b m at normal incidence and of width α = roughness², with F = ((n − 1) / (n + 1))² as
 //!   `KHR_materials_ior` and `KHR_materials_specular` have it. (glTF lets the diffuse part shrink at grazing angles as
 //!   the lobe grows; here it does not: they differ by some percent beyond 70°.)
-//! * Textures vary the diffuse part, what is emitted and what is there. Lobes are even: of a texture for roughness and
+//! * Textures vary the diffuse part, what is emitted, what is there and, of all but glass, the normals. Lobes are even: of a texture for roughness and
 //!   metal, and of that for the colour of metals, the mean is taken.
 //! * What is emitted is radiance in cd/m².
 //! * `KHR_materials_transmission`: what encloses a volume, or is a closed mesh as programs write glass, is a smooth
@@ -13,11 +13,11 @@
 
 mod glass;
 
-use super::texture::{Pictures, Turn, Use};
+use super::texture::{Pictures, Stated, Turn, Use};
 use crate::scene::assemble::Assembly;
 use crate::scene::notes::Notes;
 use crate::scene::texture::Purpose;
-use gltf::Material as Stated;
+use gltf::Material as Source;
 use gltf::material::AlphaMode;
 use gltf::texture::Info;
 use pmcip_core::tracer::scene::{MIN_ROUGHNESS, Material, NO_TEXTURE, Scattering};
@@ -53,7 +53,7 @@ impl Look {
 
 /// Converts a material of a primitive that is closed or not.
 pub(super) fn convert(
-    stated: &Stated<'_>,
+    stated: &Source<'_>,
     is_closed: bool,
     pictures: &mut Pictures<'_>,
     notes: &mut Notes,
@@ -63,7 +63,7 @@ pub(super) fn convert(
 }
 
 struct Converter<'a, 'b> {
-    stated: &'a Stated<'a>,
+    stated: &'a Source<'a>,
     is_closed: bool,
     pictures: &'a mut Pictures<'b>,
     notes: &'a mut Notes,
@@ -89,6 +89,7 @@ impl Converter<'_, '_> {
         self.transmit(&mut material);
         self.cut_out(&mut material);
         self.glow(&mut material);
+        let map = self.bend(&material);
         self.name_others();
         let name = self.name();
         let (set, turn) = self.laid.unwrap_or((0, None));
@@ -96,6 +97,9 @@ impl Converter<'_, '_> {
         let tinted = !coloured || self.stated.pbr_metallic_roughness().metallic_factor() > 0.0;
         let textured = self.laid.is_some();
         let material = self.assembly.add_named(material, &name);
+        if let Some(map) = map {
+            self.assembly.bend(material, map);
+        }
         Look { material, set, turn, coloured, textured, tinted }
     }
 
@@ -229,11 +233,19 @@ impl Converter<'_, '_> {
         }
     }
 
+    /// The normal map, if there is one.
+    fn bend(&mut self, material: &Material) -> Option<u32> {
+        let normal = self.stated.normal_texture()?;
+        if material.scattering == Scattering::Dielectric {
+            self.note("normal", "normalTexture is without effect on glass");
+            return None;
+        }
+        let scale = if normal.scale().is_finite() { normal.scale() } else { 1.0 };
+        self.laid_texture("normalTexture", Stated::from(&normal), Purpose::Normal(scale), "left out")
+    }
+
     /// Names what has no effect.
     fn name_others(&mut self) {
-        if self.stated.normal_texture().is_some() {
-            self.note("normal", "normalTexture is without effect here");
-        }
         if self.stated.occlusion_texture().is_some() {
             self.note(
                 "occlusion",
@@ -252,12 +264,23 @@ impl Converter<'_, '_> {
 
     /// A texture by the coordinates of the textures before it, or none with a note.
     fn texture(&mut self, key: &'static str, info: &Info<'_>, purpose: Purpose) -> Option<u32> {
-        let used = self.pictures.used(info, self.notes)?;
+        self.laid_texture(key, Stated::from(info), purpose, "its mean is taken")
+    }
+
+    /// The same, and what becomes of one that lies by other coordinates.
+    fn laid_texture(
+        &mut self,
+        key: &'static str,
+        stated: Stated<'_>,
+        purpose: Purpose,
+        otherwise: &str,
+    ) -> Option<u32> {
+        let used = self.pictures.used(stated, self.notes)?;
         let coordinates = (used.set, used.turn);
         if *self.laid.get_or_insert(coordinates) != coordinates {
             self.note(
                 "sets",
-                &format!("{key}: textures of one material lie by different coordinates: its mean is taken"),
+                &format!("{key}: textures of one material lie by different coordinates: {otherwise}"),
             );
             return None;
         }
@@ -272,7 +295,7 @@ impl Converter<'_, '_> {
 
     /// The mean of a texture, 1 if it cannot be read, which is noted.
     fn mean(&mut self, key: &'static str, info: &Info<'_>, of_colours: bool) -> [f32; 4] {
-        let used: Option<Use> = self.pictures.used(info, self.notes);
+        let used: Option<Use> = self.pictures.used(Stated::from(info), self.notes);
         match used.map(|used| self.pictures.mean(used.image, of_colours)) {
             Some(Ok(mean)) => mean,
             Some(Err(reason)) => {

@@ -8,9 +8,11 @@ use super::uri::{Place, resolve};
 use crate::scene::notes::Notes;
 use crate::scene::texture::{Lay, Loaded, Purpose, TextureCache, decode_bytes, is_linear, linear};
 use glam::{Mat2, Vec2};
-use gltf::Document;
-use gltf::texture::{Info, MagFilter, TextureTransform, WrappingMode};
+use gltf::material::NormalTexture;
+use gltf::texture::{Info, MagFilter, WrappingMode};
+use gltf::{Document, Texture};
 use image::DynamicImage;
+use serde::Deserialize;
 use std::collections::HashMap;
 use std::path::Path;
 
@@ -27,6 +29,49 @@ pub(super) struct Use {
     pub turn: Option<Turn>,
     /// Whether columns and rows are followed by their mirror images.
     pub mirrored: [bool; 2],
+}
+
+/// What a material says of a texture.
+pub(super) struct Stated<'a> {
+    texture: Texture<'a>,
+    set: u32,
+    transform: Option<Transform>,
+}
+
+/// `KHR_texture_transform`.
+#[derive(Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+struct Transform {
+    offset: [f32; 2],
+    rotation: f32,
+    scale: [f32; 2],
+    tex_coord: Option<u32>,
+}
+
+impl Default for Transform {
+    fn default() -> Self {
+        Transform { offset: [0.0; 2], rotation: 0.0, scale: [1.0; 2], tex_coord: None }
+    }
+}
+
+impl<'a> From<&Info<'a>> for Stated<'a> {
+    fn from(info: &Info<'a>) -> Self {
+        let transform = info.texture_transform().map(|transform| Transform {
+            offset: transform.offset(),
+            rotation: transform.rotation(),
+            scale: transform.scale(),
+            tex_coord: transform.tex_coord(),
+        });
+        Stated { texture: info.texture(), set: info.tex_coord(), transform }
+    }
+}
+
+impl<'a> From<&NormalTexture<'a>> for Stated<'a> {
+    fn from(normal: &NormalTexture<'a>) -> Self {
+        let transform = normal.extension_value("KHR_texture_transform");
+        let transform = transform.and_then(|value| serde_json::from_value(value.clone()).ok());
+        Stated { texture: normal.texture(), set: normal.tex_coord(), transform }
+    }
 }
 
 /// A map of coordinates as glTF counts them.
@@ -58,8 +103,8 @@ impl<'a> Pictures<'a> {
     }
 
     /// How a texture is used; none without a picture that could be read.
-    pub fn used(&self, info: &Info<'_>, notes: &mut Notes) -> Option<Use> {
-        let texture = info.texture();
+    pub fn used(&self, stated: Stated<'_>, notes: &mut Notes) -> Option<Use> {
+        let Stated { texture, set, transform } = stated;
         let webp =
             texture.extension_value("EXT_texture_webp").and_then(|value| value.get("source")?.as_u64());
         let webp = webp.map(|image| image as usize).filter(|image| *image < self.document.images().len());
@@ -76,12 +121,10 @@ impl<'a> Pictures<'a> {
         }
         let mirrored = [sampler.wrap_s(), sampler.wrap_t()].map(|wrap| wrap == WrappingMode::MirroredRepeat);
         let mut lay = Lay { clamp: clamps(sampler.wrap_s(), sampler.wrap_t(), notes), ..Lay::default() };
-        let transform = info.texture_transform();
-        let set = transform.as_ref().and_then(TextureTransform::tex_coord).unwrap_or(info.tex_coord());
+        let set = transform.as_ref().and_then(|transform| transform.tex_coord).unwrap_or(set);
         let mut turn = None;
-        if let Some(transform) = transform {
-            let ([ou, ov], [su, sv]) = (transform.offset(), transform.scale());
-            match transform.rotation() {
+        if let Some(Transform { offset: [ou, ov], rotation, scale: [su, sv], .. }) = transform {
+            match rotation {
                 0.0 => (lay.scale, lay.offset) = ([su, sv], [ou, ov]),
                 // Counter-clockwise as it is seen, v downwards.
                 angle => {

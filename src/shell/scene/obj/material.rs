@@ -28,14 +28,14 @@ const MOSTLY_CLEAR: f32 = 0.5;
 /// Reflectance at normal incidence of what states roughness alone.
 const PLASTIC: f32 = 0.04;
 
-/// Converts a material of the MTL file `file` that the OBJ file `obj` uses.
+/// Converts a material of the MTL file `file` that the OBJ file `obj` uses; and its normal map, if it has any.
 pub(super) fn convert(
     obj: &Path,
     file: &Path,
     stated: &Stated,
     notes: &mut Notes,
     assembly: &mut Assembly,
-) -> Material {
+) -> (Material, Option<u32>) {
     Converter { obj, file, stated, notes, assembly }.convert()
 }
 
@@ -53,7 +53,7 @@ impl Converter<'_> {
         self.notes.add(kind, || format!("material \"{name}\": {message}"));
     }
 
-    fn convert(&mut self) -> Material {
+    fn convert(&mut self) -> (Material, Option<u32>) {
         let stated = self.stated;
         let colour = stated.map_kd.as_ref().and_then(|map| self.texture("map_Kd", map, Purpose::Colour));
         let unstated = if colour.is_some() { [1.0; 3] } else { [0.5; 3] };
@@ -76,7 +76,18 @@ impl Converter<'_> {
         {
             self.note("map_Ka", "map_Ka is without effect here");
         }
-        material
+        let map = self.bend(&material);
+        (material, map)
+    }
+
+    /// The normal map, if there is one.
+    fn bend(&mut self, material: &Material) -> Option<u32> {
+        let map = self.stated.norm.as_ref()?;
+        if material.scattering != Scattering::Rough {
+            self.note("norm", "norm is without effect on mirrors and glass");
+            return None;
+        }
+        self.texture("norm", map, Purpose::Normal(1.0)).map(|loaded| loaded.texture)
     }
 
     /// Chooses between rough, mirror and glass.

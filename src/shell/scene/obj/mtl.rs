@@ -70,7 +70,7 @@ pub(super) fn load(path: &Path, obj: &Obj<'_>, assembly: &mut Assembly) -> Resul
     let mut notes: Vec<Notes> = found.files.iter().map(|_| Notes::default()).collect();
     let (mut missing, mut bent, mut indices) = (Vec::new(), Vec::new(), Vec::new());
     for name in &obj.materials {
-        let material = match found.get(name) {
+        let (material, map) = match found.get(name) {
             Some((index, is_bent)) => {
                 let (file, stated) = &found.materials[index];
                 bent.extend(is_bent.then(|| format!("\"{name}\" for \"{}\"", stated.name)));
@@ -78,10 +78,14 @@ pub(super) fn load(path: &Path, obj: &Obj<'_>, assembly: &mut Assembly) -> Resul
             }
             None => {
                 missing.push(format!("\"{name}\""));
-                Material::default()
+                (Material::default(), None)
             }
         };
-        indices.push(assembly.add_named(material, name));
+        let index = assembly.add_named(material, name);
+        if let Some(map) = map {
+            assembly.bend(index, map);
+        }
+        indices.push(index);
     }
     found.files.iter().zip(notes).for_each(|(file, notes)| notes.warn(file, "materials", assembly));
     let name = path.display();

@@ -29,6 +29,7 @@ pub(super) struct Stated {
     pub map_ke: Option<Map>,
     pub map_d: Option<Map>,
     pub map_ka: Option<Map>,
+    pub norm: Option<Map>,
 }
 
 /// An MTL file.
@@ -42,9 +43,9 @@ pub(super) struct Library {
 }
 
 /// Spellings of the keys that mean something.
-const KEYS: [&str; 18] = [
+const KEYS: [&str; 19] = [
     "newmtl", "Kd", "Ks", "Ke", "Ka", "Tf", "Ns", "Ni", "d", "Tr", "Pr", "Pm", "illum", "map_Kd", "map_Ke",
-    "map_d", "map_Ka", "map_aat",
+    "map_d", "map_Ka", "map_aat", "norm",
 ];
 
 /// Reads the text of an MTL file.
@@ -83,7 +84,11 @@ impl Library {
             self.materials.push(Stated { name: rest.to_owned(), ..Stated::default() });
             return Ok(());
         }
-        let map = if key.starts_with("map_K") || key == "map_d" { Some(self.map(rest)?) } else { None };
+        let map = if key.starts_with("map_K") || key == "map_d" || key == "norm" {
+            Some(self.map(rest)?)
+        } else {
+            None
+        };
         let Some(material) = self.materials.last_mut() else {
             return Err("expected a newmtl before it".to_owned());
         };
@@ -103,6 +108,7 @@ impl Library {
             "map_Ke" => material.map_ke = map,
             "map_d" => material.map_d = map,
             "map_Ka" => material.map_ka = map,
+            "norm" => material.norm = map,
             _ => {}
         }
         Ok(())

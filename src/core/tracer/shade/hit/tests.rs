@@ -21,6 +21,7 @@ impl SurfacePoints {
             emission: Vec3x8::splat(material.emission),
             typical_emission: Vec3x8::splat(material.emission),
             clearance: f32x8::ZERO,
+            bent: false,
         }
     }
 }
