@@ -879,7 +879,7 @@ fn normal_maps_bend_what_is_lit() {
     ratio(json!({ "index": texture }), cosine(0.6));
     ratio(json!({ "index": texture, "scale": 0.5 }), cosine(0.3));
     // Turned in its plane by a quarter it leans elsewhere, as far.
-    let turn = json!({ "KHR_texture_transform": { "rotation": 1.5707963, "scale": [2, 3] } });
+    let turn = json!({ "KHR_texture_transform": { "rotation": PI / 2.0, "scale": [2, 3] } });
     ratio(json!({ "index": texture, "extensions": turn }), cosine(0.6));
 }
 

@@ -12,9 +12,7 @@ pub(super) fn check(data: &SceneData<'_>) -> Result<(), Error> {
     if data.surfaces.len() != data.triangles.len() {
         return Err(Error::SurfaceCount);
     }
-    if let Some(motion) = &data.motion {
-        motion.check(data)?;
-    }
+    check_motion(data)?;
     check_hierarchy(data)?;
     check_colours(data)?;
     check_each(data.surfaces, Error::Surface, |s| (s.material as usize) < data.materials.len())?;
@@ -35,6 +33,15 @@ fn check_colours(data: &SceneData<'_>) -> Result<(), Error> {
         return Err(Error::Colours(data.colours.len().min(data.triangles.len())));
     }
     check_each(data.colours, Error::Colours, |c| c.as_flattened().iter().all(|v| (0.0..=1.0).contains(v)))
+}
+
+/// Whether there is one of everything; what is in it the hierarchy's check looks at.
+fn check_motion(data: &SceneData<'_>) -> Result<(), Error> {
+    let Some(motion) = &data.motion else { return Ok(()) };
+    let triangles = [motion.triangles.len(), motion.normals.len()];
+    let complete = triangles == [data.triangles.len(); 2] && motion.leaves.len() == data.leaves.len();
+    let finite = |normals: &[[f32; 3]; 3]| normals.as_flattened().iter().all(|v| v.is_finite());
+    if complete && motion.normals.iter().all(finite) { Ok(()) } else { Err(Error::Motion) }
 }
 
 fn check_normal_maps(data: &SceneData<'_>) -> Result<(), Error> {

@@ -4,13 +4,12 @@
 //! them: what turns goes along the chord of its way, as with every renderer of two positions a frame. Scenes that stand still
 //! pay nothing for it.
 
-use super::data::{Error, SceneData};
 use super::hierarchy::Leaf8;
 use super::surface::Triangle;
 use crate::maths::vec3::{self, Vec3x8};
 use wide::f32x8;
 
-/// A scene as the shutter closes; as it opens it is [`SceneData`]'s own triangles, leaves and normals.
+/// A scene as the shutter closes; as it opens it is [`SceneData`](super::SceneData)'s own triangles, leaves and normals.
 #[derive(Clone, Copy, Debug)]
 pub struct Motion<'a> {
     /// One for each triangle. The boxes of the hierarchy and of the light tree hold them, too.
@@ -19,16 +18,6 @@ pub struct Motion<'a> {
     pub leaves: &'a [Leaf8],
     /// Unit shading normals at the corners of each triangle, on the front side; zero where it is flat.
     pub normals: &'a [[[f32; 3]; 3]],
-}
-
-impl Motion<'_> {
-    /// Whether there is one of everything; what is in it the hierarchy's check looks at.
-    pub(super) fn check(&self, data: &SceneData<'_>) -> Result<(), Error> {
-        let triangles = [self.triangles.len(), self.normals.len()];
-        let complete = triangles == [data.triangles.len(); 2] && self.leaves.len() == data.leaves.len();
-        let finite = |normals: &[[f32; 3]; 3]| normals.as_flattened().iter().all(|v| v.is_finite());
-        if complete && self.normals.iter().all(finite) { Ok(()) } else { Err(Error::Motion) }
-    }
 }
 
 /// On the straight way from one place to another: at `time` 0 the former, at 1 the latter.

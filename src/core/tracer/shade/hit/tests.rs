@@ -242,12 +242,16 @@ fn what_moves_is_between_its_places() {
         let mix = |a: [[f32; 3]; 3], b: [[f32; 3]; 3]| {
             [0, 1, 2].map(|k| [0, 1, 2].map(|c| a[k][c] + (b[k][c] - a[k][c]) * time))
         };
-        let mut then = World { ..World::new(&mut random) };
-        for i in 0..TRIANGLES {
-            then.triangles[i].corners = mix(open.triangles[i].corners, closing.triangles[i].corners);
-            then.surfaces[i] =
-                Surface { normals: mix(open.surfaces[i].normals, normals[i]), ..open.surfaces[i] };
-        }
+        let then = World {
+            triangles: core::array::from_fn(|i| Triangle {
+                corners: mix(open.triangles[i].corners, closing.triangles[i].corners),
+            }),
+            surfaces: core::array::from_fn(|i| Surface {
+                normals: mix(open.surfaces[i].normals, normals[i]),
+                ..open.surfaces[i]
+            }),
+            materials: open.materials,
+        };
         let (rays, hits) = hits(&mut random);
         let found = SurfacePoints::at(&moving, &Rays8 { time: f32x8::splat(time), ..rays }, &hits);
         let expected = SurfacePoints::at(&then.scene(), &rays, &hits);
