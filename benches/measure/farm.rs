@@ -13,6 +13,7 @@
 //!   longest task where that is more; or all files through the storage. Each task starts once.
 //! - One merges: S + longest render + F/min(N, B/W) + S + W·(F/min(N, B) + m) + w: films are sent at once, read one after the
 //!   other.
+//!   With R, the time of all samples, R/W + W·(F/N + m) is least at W = √(R/(F/N + m)): more workers take longer.
 //! - A tree of [`FAN`] films a merge, by the workers themselves: the same, but a level of n merges at once takes
 //!   S + FAN·(F/min(N, B/n) + m) + w, and there are as many levels as it takes; what was merged is sent each time.
 
@@ -79,7 +80,11 @@ pub fn run(_arguments: &[String]) {
             row(&name, workers, frames_formula(&frames, &farm), &frames.simulate(&farm));
         }
     }
-    println!("\nOne frame of {SEEDS_SPP} samples a pixel, machines ± 5 %:\n");
+    let each = film / NETWORK + merge;
+    let most = (SEEDS_SPP * sample / each).sqrt();
+    println!(
+        "\nOne frame of {SEEDS_SPP} samples a pixel, machines ± 5 %; with one to merge, it is done soonest on {most:.0}:\n"
+    );
     head("merged");
     for (name, fan) in [("by one", usize::MAX), ("as a tree", FAN)] {
         let seeds = Seeds {

@@ -40,7 +40,8 @@ fn style(template: &str) -> ProgressStyle {
 /// How far a render of one or more frames is.
 ///
 /// A frame is done as far as its samples are, its time is over, or Err has come near to its target, whichever is most: Err
-/// falls as 1/samples. What is left takes as long for each part as what has been done, without what was there already.
+/// falls as 1/samples. What is left takes as long for each part as what has been done since the first sample, without what was
+/// there already.
 pub struct Progress {
     form: Option<Form>,
     bar: ProgressBar,
@@ -66,6 +67,8 @@ struct State {
     estimated_err: Option<f64>,
     /// Parts of frames that were there already.
     given: f64,
+    /// When the first sample of all frames was drawn.
+    first: Option<Instant>,
     said: Option<Instant>,
 }
 
@@ -106,8 +109,8 @@ impl Progress {
 
     /// A frame begins, with this number if there are others.
     pub fn begin(&self, frame: Option<u32>) {
-        let State { finished, given, said, .. } = *self.state();
-        *self.state() = State { frame, finished, given, said, ..State::default() };
+        let State { finished, given, first, said, .. } = *self.state();
+        *self.state() = State { frame, finished, given, first, said, ..State::default() };
     }
 
     /// There are so many samples more. The first time in a frame they are those that were there already, or none.
@@ -122,6 +125,7 @@ impl Progress {
         state.part = self.part(&state, sampling).clamp(state.part, 1.0);
         if is_first {
             state.given += state.part;
+            state.first.get_or_insert(sampling);
         }
         let pause = if self.form == Some(Form::Bar) { BARS } else { LINES };
         if is_first || state.said.is_none_or(|said| said.elapsed() >= pause) {
@@ -167,12 +171,12 @@ impl Progress {
             None => {}
             Some(Form::Bar) => {
                 self.bar.set_position((line.done * STEPS) as u64);
-                self.bar.set_message(self.words(&line));
+                self.bar.set_message(self.words(&line, state.finished + 1));
             }
             // Plain data with string keys: it cannot fail to become JSON.
             Some(Form::Json) => eprintln!("{}", serde_json::to_string(&line).unwrap_or_default()),
             Some(Form::Openjd) => {
-                let (percent, words) = (100.0 * line.done, self.words(&line));
+                let (percent, words) = (100.0 * line.done, self.words(&line, state.finished + 1));
                 // A reader that has closed the pipe has read enough.
                 let _ = writeln!(std::io::stdout(), "openjd_progress: {percent:.1}\nopenjd_status: {words}");
             }
@@ -184,24 +188,26 @@ impl Progress {
         let done = ((state.finished as f64 + state.part) / frames).min(1.0);
         let rendered = done - state.given / frames;
         let seconds = self.begun.elapsed().as_secs_f64();
-        let left = (rendered > 0.0).then(|| seconds * (1.0 - done) / rendered);
+        // After less than a second nobody knows.
+        let since = state.first.map_or(0.0, |first| first.elapsed().as_secs_f64());
+        let left = (rendered > 0.0 && since >= 1.0).then(|| since * (1.0 - done) / rendered);
         Line {
             event: "progress",
             frame: state.frame,
             done: (1e4 * done).floor() / 1e4,
             samples: state.samples,
-            spp: state.samples as f64 / self.settings.pixels() as f64,
+            spp: (1e4 * state.samples as f64 / self.settings.pixels() as f64).round() / 1e4,
             seconds: (1e3 * seconds).round() / 1e3,
             seconds_left: left.or((done >= 1.0).then_some(0.0)).map(|left| left.round()),
             estimated_err: state.estimated_err,
         }
     }
 
-    /// A line for people.
-    fn words(&self, line: &Line) -> String {
-        let frame = line.frame.map(|frame| format!("frame {frame}, {} in all", self.frames));
+    /// A line for people, in the frame that is the `number`th.
+    fn words(&self, line: &Line, number: usize) -> String {
+        let frame = line.frame.map(|frame| format!("frame {frame} ({number} of {})", self.frames));
         let spp = format!("{:.1} spp", line.spp);
-        let err = line.estimated_err.map(|err| format!("estimated Err {err:.2e}"));
+        let err = line.estimated_err.map(|err| format!("estimated Err {err:.4}"));
         let left = line.seconds_left.and_then(|left| Duration::try_from_secs_f64(left).ok());
         let left = left.map(|left| format!("{:#} left", HumanDuration(left)));
         frame.into_iter().chain([spp]).chain(err).chain(left).collect::<Vec<_>>().join(", ")
