@@ -95,6 +95,68 @@ fn json_and_quiet_say_what_they_should() {
     assert_eq!(success(room.path(), &format!("render room.obj {SMALL} --quiet")), "");
 }
 
+/// The lines of progress on stderr.
+fn progress(folder: &Path, arguments: &str) -> (Vec<Value>, String) {
+    let Output { status, stdout, stderr } = pmcip(folder, arguments);
+    let lines = String::from_utf8(stderr).unwrap();
+    assert!(status.success(), "{lines}");
+    (
+        lines.lines().map(|line| serde_json::from_str(line).unwrap()).collect(),
+        String::from_utf8(stdout).unwrap(),
+    )
+}
+
+#[test]
+fn json_tells_how_far_the_render_is() {
+    let room = room();
+    // A target that cannot be met: the frame takes all of its samples.
+    let render = format!("render room.obj {VIEW} --spp 24 --target-err 1e-20 --json");
+    let (lines, report) = progress(room.path(), &render);
+    let report: Value = serde_json::from_str(&report).unwrap();
+    let done: Vec<f64> = lines.iter().map(|line| line["done"].as_f64().unwrap()).collect();
+    assert!(lines.len() >= 2 && done[0] == 0.0 && done.is_sorted() && done.ends_with(&[1.0]), "{done:?}");
+    assert!(lines.iter().all(|line| line["event"] == "progress" && line.get("frame").is_none()));
+    let (first, last) = (&lines[0], &lines[lines.len() - 1]);
+    assert!(first["seconds_left"].is_null() && first["estimated_err"].is_null(), "{first}");
+    assert_eq!((&last["samples"], &last["spp"]), (&report["samples"], &24.0.into()));
+    assert_eq!(last["seconds_left"], 0.0);
+    assert_eq!(last["estimated_err"], report["estimated_err"]);
+    assert!(last["estimated_err"].as_f64().unwrap() > 0.0);
+    // Without a target it is nobody's business but the watcher's: the file does not depend on who watches.
+    let plain = |name: &str, more: &str| {
+        let said = pmcip(room.path(), &format!("render room.obj {SMALL} -o {name}.exr {more}"));
+        assert!(said.status.success());
+        fs::read(room.path().join(name).with_extension("exr")).unwrap()
+    };
+    assert_eq!(plain("a", "--json"), plain("b", "--quiet"));
+    failure(room.path(), "render room.obj --quiet --progress json", 2, "cannot be used with");
+}
+
+#[test]
+fn progress_knows_frames_and_what_was_there() {
+    let room = room();
+    let scene = "[film]\nwidth = 24\nheight = 16\n[camera]\nfrom = [0, 0, 5]\nat = [0, 0, 0]\nfov = 40\n\
+                 [frames]\nfirst = 1\nlast = 4\n[[meshes]]\nfile = \"room.obj\"\n";
+    fs::write(room.path().join("room.toml"), scene).unwrap();
+    success(room.path(), "render room.toml --spp 4 --frames 2 --quiet");
+    let (lines, report) = progress(room.path(), "render room.toml --spp 4 --frames .. --json");
+    assert_eq!(report.lines().count(), 4);
+    let begins = |line: &&Value| line["samples"] == 0;
+    let begun: Vec<f64> = lines.iter().filter(begins).map(|line| line["done"].as_f64().unwrap()).collect();
+    assert_eq!(begun, [0.0, 0.3333, 0.6666]);
+    let frames: Vec<u64> = lines.iter().filter(begins).map(|line| line["frame"].as_u64().unwrap()).collect();
+    assert_eq!(frames, [1, 3, 4]);
+    assert_eq!(lines[lines.len() - 1]["done"], 1.0);
+    // A film that is complete already leaves nothing to wait for.
+    success(room.path(), &format!("render room.obj {SMALL} -o f.exr --film --quiet"));
+    let again = format!("render room.obj {SMALL} -o f.exr --film --resume");
+    let (lines, _) = progress(room.path(), &format!("{again} --progress json"));
+    assert_eq!((&lines[0]["done"], &lines[0]["seconds_left"]), (&1.0.into(), &0.0.into()));
+    assert_eq!(lines[0]["samples"], 24 * 16 * 4);
+    let said = success(room.path(), &format!("{again} --progress openjd"));
+    assert!(said.starts_with("openjd_progress: 100.0\nopenjd_status: 4.0 spp"), "{said}");
+}
+
 #[test]
 fn every_sampler_and_estimator_renders() {
     let room = room();

@@ -76,7 +76,8 @@ fn seeds_of_a_frame_are_merged() {
         words.iter().map(|word| word.as_str().unwrap().replace("{{Task.Param.Part}}", "9")).collect()
     };
     let words_of_nine = words(step);
-    pmcip(room.path(), &words_of_nine.iter().map(String::as_str).collect::<Vec<_>>());
+    let said = pmcip(room.path(), &words_of_nine.iter().map(String::as_str).collect::<Vec<_>>());
+    assert!(said.contains("openjd_progress: 0.0\n") && said.contains("openjd_progress: 100.0\n"), "{said}");
     assert!(room.path().join("f.seed9.film").exists());
     // Such tasks run in folders of their own.
     let here = format!("{}/", room.path().canonicalize().unwrap().display());

@@ -42,6 +42,12 @@ fn files(folder: &Path, ending: &str) -> Vec<PathBuf> {
     files.filter(|path| path.to_string_lossy().ends_with(ending) && !is_hidden(path)).collect()
 }
 
+/// Files that are on their way, or were when their run was killed.
+fn left_over(folder: &Path) -> usize {
+    let files = fs::read_dir(folder).unwrap().map(|file| file.unwrap().file_name());
+    files.filter(|name| name.to_string_lossy().ends_with(".part")).count()
+}
+
 /// Waiting times that differ from one to the next: a golden rotation.
 fn moments() -> impl Iterator<Item = Duration> {
     (1..).map(|i| Duration::from_millis(20 + ((f64::from(i) * 0.618_034).fract() * 380.0) as u64))
@@ -93,6 +99,7 @@ fn a_frame_that_is_killed_again_and_again_gets_done() {
         }
     }
     success(parts.path(), &format!("{LONG} --resume"));
+    assert_eq!(left_over(parts.path()), 0);
     success(whole.path(), LONG);
     let [whole, parts] = [whole, parts].map(|folder| fs::read(folder.path().join("long.exr")).unwrap());
     assert!(whole == parts, "the pictures differ");
@@ -110,6 +117,7 @@ fn an_animation_that_is_killed_again_and_again_gets_done() {
         files(parts.path(), ".exr").iter().for_each(|file| _ = read_exr(file).unwrap());
     }
     success(parts.path(), FRAMES);
+    assert_eq!(left_over(parts.path()), 0);
     success(whole.path(), FRAMES);
     let [whole, parts] = [whole, parts].map(|folder| {
         let mut files = files(folder.path(), ".exr");

@@ -11,6 +11,7 @@ fn main() -> ExitCode {
         "bias" => measure::bias::run(rest),
         "border" => measure::border::run(rest),
         "compare" => measure::compare::run(rest),
+        "farm" => measure::farm::run(rest),
         "features" => measure::features::run(rest).expect("files are written"),
         "homography" => measure::homography::run(rest).expect("files are written"),
         "labels" => measure::labels::run(rest),
@@ -22,7 +23,7 @@ fn main() -> ExitCode {
         "target" => measure::target::run(rest),
         _ => {
             eprintln!(
-                "expected all, bias, border, compare, features, homography, labels, lights, overhead, prediction, rays, sweep or target"
+                "expected all, bias, border, compare, farm, features, homography, labels, lights, overhead, prediction, rays, sweep or target"
             );
             return ExitCode::from(2);
         }

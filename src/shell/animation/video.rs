@@ -4,6 +4,7 @@
 //! black column or row, since 4:2:0 wants even ones.
 
 use crate::error::Error;
+use crate::picture::output::Part;
 use std::ffi::OsString;
 use std::io::ErrorKind;
 use std::ops::RangeInclusive;
@@ -62,22 +63,20 @@ impl Video {
     /// [`Error::Work`] if ffmpeg is missing or fails, with its last words; [`Error::Write`] if the file cannot be put
     /// in its place.
     pub fn make(&self) -> Result<(), Error> {
-        let part = self.file.with_extension(format!("{}.part.mp4", std::process::id()));
-        let part = if part.is_absolute() { part } else { Path::new(".").join(part) };
-        let run = Command::new(FFMPEG).args(self.arguments(&part)).stdin(Stdio::null()).output();
+        let part = Part::begin(&self.file)?;
+        let here = if part.path().is_absolute() { "" } else { "." };
+        let out = Path::new(here).join(part.path());
+        let run = Command::new(FFMPEG).args(self.arguments(&out)).stdin(Stdio::null()).output();
         let output = run.map_err(|reason| match reason.kind() {
             ErrorKind::NotFound => Error::Work(MISSING.into()),
             _ => Error::Work(format!("cannot run ffmpeg: {reason}")),
         })?;
         if !output.status.success() {
-            // It may have made nothing; its own words are the ones worth telling.
-            let _ = std::fs::remove_file(&part);
             let words = String::from_utf8_lossy(&output.stderr);
             let last = words.lines().rev().find(|line| !line.trim().is_empty()).unwrap_or("no reason given");
             return Err(Error::Work(format!("ffmpeg made no video: {}", last.trim())));
         }
-        std::fs::rename(&part, &self.file)
-            .map_err(|reason| Error::write(&self.file, crate::picture::output::plain(&reason)))
+        part.finish()
     }
 }
 

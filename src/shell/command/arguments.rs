@@ -2,8 +2,8 @@
 
 use super::layers::Wish;
 use super::values::{
-    exr_path, finite, fov, fps, gamma, mp4_path, not_negative, point, positive, size, sky_path, threads,
-    vector,
+    Form, exr_path, finite, fov, fps, gamma, mp4_path, not_negative, point, positive, size, sky_path,
+    threads, vector,
 };
 use clap::error::ErrorKind;
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -151,6 +151,14 @@ pub struct Render {
     /// Print one JSON object instead of words; with --frames one line for each frame
     #[arg(long)]
     pub json: bool,
+    /// How to tell how far the render is [default: bar, or json with --json where stderr is no terminal]
+    ///
+    /// A line of JSON has "event": "progress", the number of the frame (with --frames), `done` of the whole render (0 to 1),
+    /// `samples` and `spp` of this frame, `seconds`, `seconds_left` and `estimated_err`, which are null as long as they are not
+    /// known: at each frame's begin and end, and at most once a second. What is estimated is what --target-err means, now and
+    /// then, and of pictures up to 8 megapixels.
+    #[arg(long, value_enum, value_name = "FORM", conflicts_with = "quiet", verbatim_doc_comment)]
+    pub progress: Option<Form>,
 }
 
 /// Arguments of `guide`.

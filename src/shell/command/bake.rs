@@ -121,7 +121,7 @@ fn work(
     atlas: &Atlas<'_>,
     settings: &Settings,
 ) -> Result<Lightmap, Failure> {
-    let bar = progress::bar(atlas.used() as u64, Some(u64::from(settings.spp)), arguments.quiet);
+    let bar = progress::bar(atlas.used() as u64, u64::from(settings.spp), arguments.quiet);
     let core = Scene::new(scene.data()).map_err(bad)?;
     let lightmap = bake(atlas, core, settings, arguments.threads, &|samples| bar.inc(samples));
     bar.finish_and_clear();

@@ -92,7 +92,7 @@ pub fn path_settings(scene: &LoadedScene, common: &Common, method: Method, spp: 
 
 pub fn work(scene: &LoadedScene, settings: &Settings, common: &Common) -> Result<Frame, Failure> {
     look(scene, settings, common)?;
-    let bar = progress::bar(settings.pixels(), Some(u64::from(settings.spp)), common.quiet);
+    let bar = progress::bar(settings.pixels(), u64::from(settings.spp), common.quiet);
     let frame = render::render(scene, settings, common.threads, &|samples| bar.inc(samples));
     bar.finish_and_clear();
     frame.map_err(blame)

@@ -79,7 +79,7 @@ fn run_plan(
 ) -> Result<(Plan, Comparison), Failure> {
     let plan = Plan::new(&arguments.methods, &arguments.spp, arguments.runs, base, arguments.common.threads);
     let frames = stage.frames().count();
-    let bar = progress::bar(base.pixels(), Some(plan.total_spp(frames)), arguments.common.quiet);
+    let bar = progress::bar(base.pixels(), plan.total_spp(frames), arguments.common.quiet);
     let comparison = compare::run(stage, &plan, &|samples| bar.inc(samples));
     bar.finish_and_clear();
     Ok((plan, comparison.map_err(blame)?))
@@ -123,7 +123,7 @@ fn find_reference(
         }
         Err(reason) => {
             note(common, format!("renders the reference with {spp} samples a pixel: {reason}"));
-            let bar = progress::bar(base.pixels(), Some(u64::from(spp)), common.quiet);
+            let bar = progress::bar(base.pixels(), u64::from(spp), common.quiet);
             let inc = |samples| bar.inc(samples);
             let reference = Reference::render(&file, scene, base, spp, common.threads, &inc);
             bar.finish_and_clear();
@@ -138,7 +138,7 @@ fn find_references(arguments: &Compare, stage: &mut Moving) -> Result<reference:
     let (common, spp) = (&arguments.common, arguments.reference_spp);
     let frames = stage.frames();
     let pixels = stage.seek(*frames.start()).map_err(blame)?.1.pixels();
-    let bar = progress::bar(pixels, Some(u64::from(spp) * frames.clone().count() as u64), common.quiet);
+    let bar = progress::bar(pixels, u64::from(spp) * frames.clone().count() as u64, common.quiet);
     let (mut first, mut reused) = (None, 0);
     for frame in frames.clone() {
         let file = reference::of_frame(&stage.references, frame);

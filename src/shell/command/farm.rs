@@ -11,7 +11,8 @@ use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
 /// Options by which a task differs from the render asked for; they are taken out of that.
-const DIVIDED: [&str; 6] = ["--frames", "--seed", "--output", "-o", "--checkpoint", "--threads"];
+const DIVIDED: [&str; 7] =
+    ["--frames", "--seed", "--output", "-o", "--checkpoint", "--threads", "--progress"];
 /// The same without a value.
 const FLAGS: [&str; 3] = ["--resume", "--film", "--quiet"];
 
@@ -110,7 +111,6 @@ impl Tasks {
             Division::Seeds(..) => ("--seed", of_seed(&self.name, part)),
         };
         let mut words = self.command.clone();
-        words.push("--quiet".into());
         words.extend([option.into(), part.into(), "-o".into(), name.display().to_string()]);
         words.extend(["--resume".into(), "--checkpoint".into(), checkpoint.to_string()]);
         if let Division::Seeds(..) = self.by {
@@ -130,7 +130,8 @@ impl Tasks {
     /// A script for `sbatch`: an array of tasks. One that is preempted leaves a checkpoint and is queued again.
     fn slurm(&self, checkpoint: f32) -> String {
         let title = quoted(&self.name.file_stem().unwrap_or_default().to_string_lossy());
-        let (words, threads) = (self.words(checkpoint, PART), self.threads.unwrap_or(1));
+        let (mut words, threads) = (self.words(checkpoint, PART), self.threads.unwrap_or(1));
+        words.push("--quiet".into());
         let line = words.iter().map(|word| with_part(word)).collect::<Vec<_>>().join(" ");
         let (tasks, parts, last) = match &self.by {
             Division::Frames(frames) => {
@@ -163,6 +164,7 @@ impl Tasks {
             }
         };
         let mut words = self.words(checkpoint, "{{Task.Param.Part}}");
+        words.extend(["--progress".to_owned(), "openjd".to_owned()]);
         words.extend(self.threads.iter().flat_map(|threads| ["--threads".to_owned(), threads.to_string()]));
         let render = json!({
             "name": "Render",

@@ -5,10 +5,9 @@ use super::common::{Failure, admit, bad, blame, eye, failed, look, note, say};
 use super::kept::{Kept, attributes};
 use super::load::load;
 use super::print::Rendered;
-use super::progress;
-use super::render::{known_spp, output_name, render_settings};
+use super::progress::Progress;
+use super::render::{form, output_name, render_settings};
 use super::signals::Signals;
-use indicatif::ProgressBar;
 use pmcip::animation::motion;
 use pmcip::animation::sequence::{self, List, State};
 use pmcip::animation::startup::Predictor;
@@ -99,15 +98,14 @@ pub fn render_frames(arguments: &Render, list: &List) -> Result<(), Failure> {
     sequence.prepare()?;
     let settings = render_settings(sequence.animation.scene(), arguments)?;
     let missing = sequence.frames.len() - kept.len();
-    let bar = progress::bar(settings.pixels(), known_spp(&settings, missing), arguments.common.quiet);
+    let progress = Progress::new(form(arguments), &settings, missing);
     for frame in sequence.frames.clone() {
-        bar.set_message(format!("frame {frame} of {}", sequence.last()));
         let is_there = kept.contains(&frame) && sequence.keep(frame)?;
         if !is_there {
-            sequence.render(frame, &bar)?;
+            sequence.render(frame, &progress)?;
         }
     }
-    bar.finish_and_clear();
+    progress.clear();
     let video = sequence.make_video();
     if !arguments.json && !arguments.common.quiet {
         say(&sequence.summary(&settings, video.is_ok()));
@@ -217,13 +215,15 @@ impl Sequence<'_> {
         Ok(true)
     }
 
-    fn render(&mut self, frame: u32, bar: &ProgressBar) -> Result<(), Failure> {
+    fn render(&mut self, frame: u32, progress: &Progress) -> Result<(), Failure> {
         let Task { settings, attributes, rebuild_seconds } = self.seek(frame)?;
         let scene = self.animation.scene();
         scene.require_light().map_err(bad)?;
         let files = self.files(frame);
         let mut kept = Kept::new(&files[0], attributes, self.arguments);
-        let mut done = kept.render(scene, &settings, &mut self.predictor, &self.signals, bar)?;
+        progress.begin(Some(frame));
+        let mut done = kept.render(scene, &settings, &mut self.predictor, &self.signals, progress)?;
+        progress.end();
         if settings.layers.contains(Layer::Motion) {
             done.layers.extend(self.motion(&settings)?);
         }

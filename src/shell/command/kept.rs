@@ -2,9 +2,9 @@
 
 use super::arguments::Render;
 use super::common::{Failure, bad, blame, failed, note};
+use super::progress::Progress;
 use super::signals::Signals;
 use super::viewer::Viewer;
-use indicatif::ProgressBar;
 use pmcip::compare::reference::fingerprint;
 use pmcip::error::Error;
 use pmcip::frame::attributes;
@@ -77,7 +77,7 @@ impl<'a> Kept<'a> {
         settings: &Settings,
         learner: &mut dyn Learner,
         signals: &Signals,
-        bar: &ProgressBar,
+        progress: &Progress,
     ) -> Result<Frame, Failure> {
         let (file, film) = (checkpoint::path(self.exr), self.film()?);
         let saved = film.as_deref().map(Saved::new).transpose();
@@ -87,7 +87,8 @@ impl<'a> Kept<'a> {
         let mut keeper = Keeper::new(self.exr, &self.attributes, self.arguments.checkpoint);
         let Render { live, common, .. } = self.arguments;
         let mut viewer = Viewer::begin(live.as_deref(), self.exr, settings, common.quiet)?;
-        let progress = |samples| bar.inc(samples);
+        let add = |samples| progress.add(samples);
+        let mut estimate = |err| progress.estimate(err);
         let mut is_told = false;
         let mut go_on = |film: &Sampler<'_>| {
             if can_be_kept && let Err(why) = keeper.look(film) {
@@ -107,11 +108,12 @@ impl<'a> Kept<'a> {
             interrupted: signals.caught(),
             with_film: self.arguments.film,
             saved,
-            ..Run::watched(&progress, learner)
+            estimates: if progress.is_told() { Some(&mut estimate) } else { None },
+            ..Run::watched(&add, learner)
         };
         match render::render_while(scene, settings, run, &mut go_on) {
             Err(Error::Interrupted) if can_be_kept => {
-                bar.finish_and_clear();
+                progress.clear();
                 let file = keeper.path().display();
                 Err(signals.end(format!("interrupted: {file} has what there is, --resume goes on from it")))
             }

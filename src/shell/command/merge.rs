@@ -1,4 +1,7 @@
 //! The command `merge`: films of one frame, rendered apart, as one.
+//!
+//! They are merged by pairs, the results by pairs, and so on: one after the other each film would count for less in single
+//! precision until it counted for nothing. In memory are as many films as that has levels, however many there are.
 
 use super::arguments::Merge;
 use super::common::{Failure, bad, blame, failed, print_json, say};
@@ -27,7 +30,6 @@ struct Report<'a> {
 struct Part<'a> {
     path: &'a Path,
     attributes: BTreeMap<String, String>,
-    film: Vec<u8>,
     /// In order.
     seeds: Vec<u32>,
 }
@@ -40,11 +42,8 @@ pub fn merge_films(arguments: &Merge) -> Result<(), Failure> {
     // In this order whatever that of the files is: so the result has the same bits.
     parts.sort_by(|a, b| a.seeds.cmp(&b.seeds));
     check(&parts)?;
-    let [first, others @ ..] = parts.as_slice() else { return Err(bad("no films to merge")) };
-    let mut film = Film::load(&first.film).map_err(|why| unread(first, &why))?;
-    for part in others {
-        film.merge(&part.film).map_err(|why| unread(part, &why))?;
-    }
+    let Some(first) = parts.first() else { return Err(bad("no films to merge")) };
+    let mut film = merged(&parts)?;
     let mut seeds: Vec<u32> = parts.iter().flat_map(|part| part.seeds.iter().copied()).collect();
     seeds.sort_unstable();
     let mut attributes = first.attributes.clone();
@@ -66,18 +65,40 @@ pub fn merge_films(arguments: &Merge) -> Result<(), Failure> {
     Ok(())
 }
 
+impl Part<'_> {
+    /// The film as bytes.
+    fn film(&self) -> Result<Vec<u8>, Failure> {
+        checkpoint::open(self.path).map(|(_, film)| film).map_err(bad)
+    }
+}
+
+/// All of at least one film.
+fn merged(parts: &[Part<'_>]) -> Result<Film, Failure> {
+    if let [part] = parts {
+        return Film::load(&part.film()?).map_err(|why| unread(part, &why));
+    }
+    let (some, others) = parts.split_at(parts.len() / 2);
+    let mut film = merged(some)?;
+    let others_film = match others {
+        [part] => part.film()?,
+        _ => merged(others)?.save().map_err(failed)?,
+    };
+    film.merge(&others_film).map_err(|why| unread(&others[0], &why))?;
+    Ok(film)
+}
+
 /// Blames a film file.
 fn unread(part: &Part<'_>, why: &Error) -> Failure {
     bad(Error::read(part.path, why))
 }
 
 fn open(path: &Path) -> Result<Part<'_>, Failure> {
-    let (attributes, film) = checkpoint::open(path).map_err(bad)?;
+    let attributes = checkpoint::attributes(path).map_err(bad)?;
     let seeds = attributes.get(MERGED_SEEDS).or(attributes.get("seed"));
     let seeds =
         seeds.and_then(|list| list.split(',').map(|seed| seed.parse().ok()).collect::<Option<Vec<u32>>>());
     match seeds {
-        Some(seeds) => Ok(Part { path, attributes, film, seeds }),
+        Some(seeds) => Ok(Part { path, attributes, seeds }),
         None => Err(bad(Error::read(path, "it does not say of which seed it is"))),
     }
 }

@@ -6,13 +6,15 @@ use super::kept::{Kept, attributes};
 use super::layers;
 use super::load::load;
 use super::print::Rendered;
-use super::progress;
+use super::progress::Progress;
 use super::signals::Signals;
+use super::values::Form;
 use pmcip::frame::schedule::{MOST_SPP, Target};
 use pmcip::frame::settings::Settings;
 use pmcip::picture::{frame_io, output};
 use pmcip::scene::LoadedScene;
 use pmcip_core::sampler::estimate::Estimator;
+use std::io::IsTerminal;
 use std::path::PathBuf;
 
 pub fn render_frame(arguments: &Render) -> Result<(), Failure> {
@@ -23,10 +25,12 @@ pub fn render_frame(arguments: &Render) -> Result<(), Failure> {
     let settings = render_settings(&scene, arguments)?;
     look(&scene, &settings, &arguments.common)?;
     let signals = Signals::catch();
-    let bar = progress::bar(settings.pixels(), known_spp(&settings, 1), arguments.common.quiet);
+    let progress = Progress::new(form(arguments), &settings, 1);
     let mut kept = Kept::new(&exr, attributes(&scene, &settings), arguments);
-    let frame = kept.render(&scene, &settings, &mut (), &signals, &bar)?;
-    bar.finish_and_clear();
+    progress.begin(None);
+    let frame = kept.render(&scene, &settings, &mut (), &signals, &progress)?;
+    progress.end();
+    progress.clear();
     let picture = frame.picture(&settings, &scene);
     frame_io::write_exr(&exr, &picture).map_err(failed)?;
     frame_io::write_png(&png, &picture, arguments.exposure.unwrap_or(scene.exposure)).map_err(failed)?;
@@ -42,9 +46,15 @@ pub fn output_name(arguments: &Render, scene: &LoadedScene) -> PathBuf {
     arguments.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.exr", scene.name)))
 }
 
-/// Samples a pixel that `frames` frames take, if that is known.
-pub fn known_spp(settings: &Settings, frames: usize) -> Option<u64> {
-    settings.seconds.is_none().then(|| u64::from(settings.spp) * frames as u64)
+/// How the render tells how far it is: where nobody says, in lines for programs if the result is for them and stderr is read by
+/// no person.
+pub fn form(arguments: &Render) -> Option<Form> {
+    let is_for_programs = arguments.json && !std::io::stderr().is_terminal();
+    match (arguments.progress, arguments.common.quiet) {
+        (None, true) => None,
+        (None, false) if is_for_programs => Some(Form::Json),
+        (chosen, _) => chosen.or(Some(Form::Bar)),
+    }
 }
 
 /// The settings of `render`.

@@ -2,6 +2,17 @@
 
 use std::path::PathBuf;
 
+/// How a render tells how far it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Form {
+    /// A bar on stderr, if that is a terminal
+    Bar,
+    /// Lines on stderr, each a JSON object with "event": "progress"
+    Json,
+    /// Lines on stdout as queues that run Open Job Descriptions read them
+    Openjd,
+}
+
 /// The name of an EXR file.
 pub fn exr_path(text: &str) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);

@@ -6,14 +6,16 @@ use crate::error::Error;
 use pmcip_core::sampler::estimate::Estimator;
 use sysinfo::{MemoryRefreshKind, RefreshKind, System};
 
-/// Bytes that a frame takes at most at once, without the scene and the files' buffers.
-fn needed(settings: &Settings) -> u64 {
+/// Bytes that a frame takes at most at once, without the scene and the files' buffers; `judged` if its Err is estimated.
+fn needed(settings: &Settings, judged: bool) -> u64 {
     /// The film, a frame's planes, what one more of them takes, and what filtering takes, a pixel.
     const FILM: u64 = 44;
     const FRAME: u64 = 24;
     const PLANE: u64 = 4;
     const FEATURES: u64 = 28;
     const FILTER: u64 = 116;
+    /// What the judge keeps, and what it takes while it looks.
+    const JUDGE: u64 = 56 + 24;
     let guided = settings.sampler.estimator == Estimator::Guided;
     let planes: usize = settings.layers.iter().map(|layer: Layer| layer.channels().len()).sum();
     let mut pixel = FILM + FRAME + PLANE * planes as u64;
@@ -22,6 +24,9 @@ fn needed(settings: &Settings) -> u64 {
     }
     if guided {
         pixel += FILTER;
+    }
+    if judged {
+        pixel += JUDGE;
     }
     settings.pixels().saturating_mul(pixel)
 }
@@ -40,9 +45,9 @@ fn available() -> Option<u64> {
 ///
 /// # Errors
 /// [`Error::Work`] that says how much is needed and how much there is.
-pub(crate) fn require(settings: &Settings) -> Result<(), Error> {
+pub(crate) fn require(settings: &Settings, judged: bool) -> Result<(), Error> {
     match available() {
-        Some(available) => enough(settings, needed(settings), available),
+        Some(available) => enough(settings, needed(settings, judged), available),
         None => Ok(()),
     }
 }
@@ -73,11 +78,12 @@ mod tests {
         let cornell = Animation::open(&cornell, &Default::default()).unwrap();
         let mut settings = Settings::new(cornell.scene(), Method::Pmc, None, Some((16384, 16384)));
         // Film and picture, and the three planes that every file has by default.
-        assert_eq!(needed(&settings), (1 << 28) * (44 + 24 + 12));
+        assert_eq!(needed(&settings, false), (1 << 28) * (44 + 24 + 12));
+        assert_eq!(needed(&settings, true), (1 << 28) * (44 + 24 + 12 + 80));
         settings.set_estimator(Estimator::Guided);
-        assert_eq!(needed(&settings), (1 << 28) * (44 + 24 + 12 + 28 + 116));
-        assert!(enough(&settings, needed(&settings), u64::MAX).is_ok());
-        let refusal = enough(&settings, needed(&settings), 8_000_000_000).unwrap_err().to_string();
+        assert_eq!(needed(&settings, false), (1 << 28) * (44 + 24 + 12 + 28 + 116));
+        assert!(enough(&settings, needed(&settings, false), u64::MAX).is_ok());
+        let refusal = enough(&settings, needed(&settings, false), 8_000_000_000).unwrap_err().to_string();
         assert_eq!(refusal, "not enough memory: 16384×16384 pixels need 60.1 GB, 8.0 GB are free");
     }
 }

@@ -9,8 +9,8 @@ use crate::error::Error;
 use crate::picture::output;
 use pmcip_core::sampler::Sampler;
 use std::collections::BTreeMap;
-use std::fs;
-use std::io::Write;
+use std::fs::{self, File};
+use std::io::{BufRead, BufReader, Read, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -33,11 +33,13 @@ pub struct Keeper<'a> {
 }
 
 impl<'a> Keeper<'a> {
-    /// A keeper of the frame with these attributes; it writes after an iteration if `every` so many seconds have passed since
+    /// A keeper of the frame with these attributes, which removes what killed runs have left of its file; it writes after an iteration if `every` so many seconds have passed since
     /// it wrote last, and when the frame is interrupted.
     pub fn new(exr: &Path, attributes: &'a BTreeMap<String, String>, every: Option<f32>) -> Self {
         let every = every.map(|seconds| Duration::try_from_secs_f32(seconds).unwrap_or(Duration::MAX));
-        Keeper { path: path(exr), attributes, every, last: Instant::now(), written: false }
+        let path = path(exr);
+        output::sweep(&path);
+        Keeper { path, attributes, every, last: Instant::now(), written: false }
     }
 
     /// Is shown the film after every iteration, and in the middle of one if it is interrupted, as
@@ -110,6 +112,19 @@ pub fn read(path: &Path, wanted: &BTreeMap<String, String>) -> Result<Option<Vec
             Err(Error::read(path, format!("it is of another frame: {why}; remove it to begin anew")))
         }
     }
+}
+
+/// Attributes of a film file, of which no more is read.
+///
+/// # Errors
+/// [`Error::Read`] if it cannot be read or is none.
+pub fn attributes(path: &Path) -> Result<BTreeMap<String, String>, Error> {
+    let mut line = Vec::new();
+    let read = File::open(path)
+        .and_then(|file| BufReader::new(file.take(LONGEST_LINE as u64)).read_until(b'\n', &mut line));
+    read.map_err(|reason| Error::read(path, output::plain(&reason)))?;
+    let attributes = line.strip_suffix(b"\n").and_then(|line| serde_json::from_slice(line).ok());
+    attributes.ok_or_else(|| Error::read(path, "it is no film file"))
 }
 
 /// Attributes and film of a film file.

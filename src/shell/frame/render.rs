@@ -188,13 +188,17 @@ pub struct Run<'r> {
     pub with_film: bool,
     /// A film of the same frame, to go on from.
     pub saved: Option<Saved<'r>>,
+    /// Hears the frame's Err by the estimate of [`stop`](super::stop): after every iteration of a frame with a target, of
+    /// others [as far as that is cheap](Judge::seldom).
+    pub estimates: Option<&'r mut dyn FnMut(f64)>,
 }
 
 impl<'r> Run<'r> {
     /// On all threads, from the beginning to the end.
     pub fn watched(progress: &'r (dyn Fn(u64) + Sync), learner: &'r mut dyn Learner) -> Self {
         static NEVER: AtomicBool = AtomicBool::new(false);
-        Run { threads: None, progress, learner, interrupted: &NEVER, with_film: false, saved: None }
+        let interrupted = &NEVER;
+        Run { threads: None, progress, learner, interrupted, with_film: false, saved: None, estimates: None }
     }
 }
 
@@ -209,12 +213,19 @@ impl<'r> Run<'r> {
 pub fn render_while(
     scene: &LoadedScene,
     settings: &Settings,
-    run: Run<'_>,
+    mut run: Run<'_>,
     go_on: &mut dyn FnMut(&Sampler<'_>) -> Result<bool, Error>,
 ) -> Result<Frame, Error> {
     let core = &settings.sampler;
-    let judge = || Judge::new(core.width, core.height, core.cd_per_unit);
-    let mut judge = settings.target.is_some().then(judge).transpose()?;
+    let mut estimates = run.estimates.take();
+    let mut judge = match (settings.target, &estimates) {
+        (Some(_), _) => Some(Judge::new(core.width, core.height, core.cd_per_unit)?),
+        // Nobody is refused a frame for want of an estimate.
+        (None, Some(_)) if budget::require(settings, true).is_ok() => {
+            Judge::seldom(core.width, core.height, core.cd_per_unit)?
+        }
+        (None, _) => None,
+    };
     let clock = Clock::new(settings.seconds);
     let (mut estimated, least) = (None, LEAST_SPP * settings.pixels());
     let frame = render_iterations(scene, settings, run, &mut |film| {
@@ -224,11 +235,14 @@ pub fn render_while(
         if let Some(judge) = &mut judge {
             estimated = judge.look(film)?;
         }
+        if let (Some(estimates), Some(err)) = (&mut estimates, estimated) {
+            estimates(err);
+        }
         let good = |target: Target| estimated.is_some_and(|err| err < f64::from(target.err));
         let is_done = settings.target.is_some_and(good) && film.samples() >= least;
         Ok(go_on(film)? && !is_done && clock.leaves_time(film.samples()))
     })?;
-    Ok(Frame { estimated_err: estimated, ..frame })
+    Ok(Frame { estimated_err: settings.target.and(estimated), ..frame })
 }
 
 /// Renders a frame until its samples are spent or `go_on` says no.
@@ -238,10 +252,10 @@ fn render_iterations(
     run: Run<'_>,
     go_on: &mut dyn FnMut(&Sampler<'_>) -> Result<bool, Error>,
 ) -> Result<Frame, Error> {
-    let Run { threads, progress, learner, interrupted, with_film, saved } = run;
+    let Run { threads, progress, learner, interrupted, with_film, saved, .. } = run;
     let start = Instant::now();
     layers::check(settings)?;
-    budget::require(settings)?;
+    budget::require(settings, settings.target.is_some())?;
     let pool = start_threads(threads)?;
     let view = Scene::new(scene.data()).map_err(Error::setting)?;
     let photons = shoot(view, settings, pool.as_ref())?;

@@ -36,9 +36,16 @@ use crate::frame::memory::zeros;
 use crate::picture::metrics::{acuity, box_mean, luminance};
 use pmcip_core::sampler::Sampler;
 use pmcip_core::sampler::estimate::{Estimator, Lanes};
+use std::time::{Duration, Instant};
 
 /// How many times the variance of two halves overstates that of both together.
 pub const STRATIFIED: f64 = 1.1;
+
+/// Part of the time that a judge who is asked to look [seldom](Judge::seldom) may take.
+const COST: f64 = 0.02;
+
+/// Most pixels of a film for which such a judge takes memory.
+const MOST_PIXELS: usize = 1 << 23;
 
 /// Half the side of the box whose mean luminance noise is judged by: 5×5 pixels.
 const RADIUS: usize = 2;
@@ -71,6 +78,8 @@ pub struct Judge {
     rgb: Vec<f32>,
     variance: Vec<f32>,
     scratch: Vec<Lanes>,
+    /// When the judge began, and the time that looking has taken, of one who looks seldom.
+    thrift: Option<(Instant, Duration)>,
 }
 
 impl Judge {
@@ -88,14 +97,40 @@ impl Judge {
             rgb: zeros(3 * pixels)?,
             variance: zeros(pixels)?,
             scratch: zeros(Sampler::resolve_scratch(width, height))?,
+            thrift: None,
         })
     }
 
-    /// The estimated Err of a film after an iteration, of which it must be shown every one; none after the first.
+    /// A judge for those who only want to know how a frame is getting on: it passes over iterations where it has taken more
+    /// than a fiftieth of the time. None of films above 2²³ pixels, for which memory may be scarce.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn seldom(width: u32, height: u32, cd_per_unit: f32) -> Result<Option<Judge>, Error> {
+        if width as usize * height as usize > MOST_PIXELS {
+            return Ok(None);
+        }
+        let judge = Judge::new(width, height, cd_per_unit)?;
+        Ok(Some(Judge { thrift: Some((Instant::now(), Duration::ZERO)), ..judge }))
+    }
+
+    /// The estimated Err of a film after an iteration, of which it must be shown every one; none after the first, and where
+    /// one who looks [seldom](Self::seldom) passes over.
     ///
     /// # Errors
     /// [`Error::Work`] if the film has another size.
     pub fn look(&mut self, film: &Sampler<'_>) -> Result<Option<f64>, Error> {
+        let Some((begun, taken)) = self.thrift else { return self.estimate(film) };
+        if taken.as_secs_f64() > COST * begun.elapsed().as_secs_f64() {
+            return Ok(None);
+        }
+        let start = Instant::now();
+        let err = self.estimate(film)?;
+        self.thrift = Some((begun, taken + start.elapsed()));
+        Ok(err)
+    }
+
+    fn estimate(&mut self, film: &Sampler<'_>) -> Result<Option<f64>, Error> {
         film.resolve(Estimator::Pooled, &mut self.scratch, &mut self.rgb).map_err(Error::work)?;
         film.count(&mut self.now.count).map_err(Error::work)?;
         film.variance(&mut self.variance).map_err(Error::work)?;

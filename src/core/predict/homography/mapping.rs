@@ -26,11 +26,12 @@ impl Homography {
     pub const IDENTITY: Homography =
         Homography { matrix: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]] };
 
-    /// Where a point goes; nothing if it lies on or behind the horizon.
+    /// Where a point goes; nothing if it lies on or behind the horizon, or so near before it that no number says where.
     #[inline]
     pub fn apply(&self, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
         let [a, b, w] = self.matrix.map(|row| row[0] * x + row[1] * y + row[2]);
-        (w > 0.0).then(|| [a / w, b / w])
+        let point = [a / w, b / w];
+        (w > 0.0 && point.iter().all(|x| x.is_finite())).then_some(point)
     }
 
     /// The mapping back; nothing if the matrix is singular.
