@@ -1,14 +1,18 @@
 //! Builds the core's eight-wide hierarchy: obvhs makes a binary tree, this collapses it.
 
+mod parts;
+
 use glam::Vec3A;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2_from_tris;
 use obvhs::{BvhBuildParams, triangle::Triangle as BuildTriangle};
 use pmcip_core::tracer::scene::{Leaf8, MAX_DEPTH, Node8, Triangle};
-use std::collections::HashMap;
+use rayon::prelude::*;
+use std::collections::{HashMap, HashSet};
 use std::time::Duration;
 
 /// A hierarchy and the triangle order its leaves expect.
+#[derive(Default)]
 pub struct Bvh {
     /// Nodes, the root first, parents before children.
     pub nodes: Vec<Node8>,
@@ -19,6 +23,9 @@ pub struct Bvh {
     /// `order[i]` is the original index of the `i`-th triangle in leaf order.
     pub order: Vec<u32>,
 }
+
+/// From this number of triangles on they are divided into parts first: what is lost by their coarse borders is little then.
+const MANY: usize = 500_000;
 
 /// Most triangles in a leaf.
 const MAX_LEAF: u32 = 8;
@@ -77,35 +84,51 @@ fn hull(points: impl Iterator<Item = Vec3A>) -> (Vec3A, Vec3A) {
 }
 
 /// Builds the hierarchy over `triangles`, which are where `closing` says as the shutter closes; that is empty if they stand
-/// still. Without triangles it is empty.
+/// still. Without triangles it is empty. Those of [`MANY`] triangles are made of parts on all threads, the same for any number
+/// of them.
 pub fn build(triangles: &[Triangle], closing: &[Triangle]) -> Bvh {
-    if triangles.is_empty() {
-        return Bvh { nodes: Vec::new(), leaves: Vec::new(), moved_leaves: Vec::new(), order: Vec::new() };
-    }
     let triangles = Triangles { open: triangles, closing };
-    let heaps = heaps(&triangles);
-    let input: Vec<BuildTriangle> = heaps.first.iter().map(|i| triangles.input(*i)).collect();
-    let mut params = BvhBuildParams::medium_build();
-    params.max_prims_per_leaf = 1;
-    let tree = build_bvh2_from_tris(&input, params, &mut Duration::default());
+    let all: Vec<u32> = (0..triangles.open.len() as u32).collect();
     let coordinates = triangles.open.iter().chain(closing).flat_map(|t| t.corners.as_flattened());
     let padding = PADDING * coordinates.fold(0.0f32, |m, v| m.max(v.abs()));
-    let triangle_cost = if triangles.open.len() <= FEW { TRIANGLE_COST_OF_FEW } else { TRIANGLE_COST };
-    let plans = plans(&tree, triangle_cost);
-    let mut collapse = Collapse {
-        tree: &tree,
-        triangles,
-        heaps,
-        plans,
-        padding,
-        nodes: Vec::new(),
-        leaves: Vec::new(),
-        moved_leaves: Vec::new(),
-        order: Vec::new(),
-    };
-    collapse.node(0, 0);
-    let Collapse { nodes, leaves, moved_leaves, order, .. } = collapse;
-    Bvh { nodes, leaves, moved_leaves, order }
+    match all.len() {
+        0 => Bvh::default(),
+        few if few < MANY => Collapse::of(triangles, &all, padding, 0, 0),
+        _ => join(triangles, parts::divide(&|i| triangles.bounds(i), all, 8), padding),
+    }
+}
+
+/// Hierarchies of all parts, up to eight, below one root.
+fn join(triangles: Triangles<'_>, parts: Vec<Vec<u32>>, padding: f32) -> Bvh {
+    let starts = parts.iter().scan(0, |start, part| {
+        *start += part.len();
+        Some(*start - part.len())
+    });
+    let seated: Vec<_> = parts.iter().zip(starts.collect::<Vec<_>>()).collect();
+    let built: Vec<Bvh> = seated
+        .par_iter()
+        .map(|(part, start)| Collapse::of(triangles, part, padding, *start as u32, 1))
+        .collect();
+    let mut whole = Bvh { nodes: vec![Node8::EMPTY], ..Bvh::default() };
+    for (slot, part) in built.into_iter().enumerate() {
+        let (lower, upper) = part.nodes[0].hull();
+        let (node, leaf) = (whole.nodes.len() as u32, whole.leaves.len() as u32);
+        let root = &mut whole.nodes[0];
+        for axis in 0..3 {
+            (root.lower[axis][slot], root.upper[axis][slot]) = (lower[axis], upper[axis]);
+        }
+        root.child[slot] = node;
+        whole.nodes.extend(part.nodes.into_iter().map(|mut of_part| {
+            for child in (0..8).filter(|child| of_part.is_used(*child)).collect::<Vec<_>>() {
+                of_part.child[child] += if of_part.count[child] > 0 { leaf } else { node };
+            }
+            of_part
+        }));
+        whole.leaves.extend(part.leaves);
+        whole.moved_leaves.extend(part.moved_leaves);
+        whole.order.extend(part.order);
+    }
+    whole
 }
 
 /// Triangles of which many have the same box: no tree tells them apart, and looking for one would take for ever.
@@ -119,10 +142,9 @@ struct Heaps {
 /// Most triangles of one box that are left to the tree.
 const HEAP: u32 = 64;
 
-/// Finds heaps: boxes are counted by a hash, and compared where that says they are many.
-fn heaps(triangles: &Triangles<'_>) -> Heaps {
+/// Finds heaps among `all` of some triangles: boxes are counted by a hash, and compared where that says they are many.
+fn heaps(triangles: &Triangles<'_>, all: &[u32]) -> Heaps {
     const BUCKETS: usize = 1 << 20;
-    let number = triangles.open.len();
     let bucket = |triangle: u32| {
         let mix = |hash: u64, bits: u32| {
             (hash ^ u64::from(bits)).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29)
@@ -130,21 +152,20 @@ fn heaps(triangles: &Triangles<'_>) -> Heaps {
         bits(triangles.bounds(triangle)).into_iter().fold(0, mix) as usize % BUCKETS
     };
     let mut counts = vec![0u32; BUCKETS];
-    (0..number as u32).for_each(|triangle| counts[bucket(triangle)] += 1);
-    let many = HEAP + 4 * (number / BUCKETS) as u32;
+    all.iter().for_each(|triangle| counts[bucket(*triangle)] += 1);
+    let many = HEAP + 4 * (all.len() / BUCKETS) as u32;
     let mut firsts: HashMap<[u32; 6], Vec<u32>> = HashMap::new();
-    for i in (0..number as u32).filter(|i| counts[bucket(*i)] > many) {
+    for &i in all.iter().filter(|i| counts[bucket(**i)] > many) {
         firsts.entry(bits(triangles.bounds(i))).or_default().push(i);
     }
     let mut others: HashMap<u32, Vec<u32>> = HashMap::new();
-    let mut is_other = Vec::new();
+    let mut is_other: HashSet<u32> = HashSet::new();
     for heap in firsts.into_values().filter(|heap| heap.len() > HEAP as usize) {
-        is_other.resize(number, false);
-        heap[1..].iter().for_each(|i| is_other[*i as usize] = true);
+        is_other.extend(&heap[1..]);
         others.insert(heap[0], heap[1..].to_vec());
     }
-    let stays = |i: &u32| !is_other.get(*i as usize).copied().unwrap_or(false);
-    Heaps { first: (0..number as u32).filter(stays).collect(), others }
+    let first = all.iter().copied().filter(|i| !is_other.contains(i)).collect();
+    Heaps { first, others }
 }
 
 /// The bits of a box.
@@ -184,7 +205,7 @@ fn plans(tree: &Bvh2, triangle_cost: f32) -> Vec<Plan> {
         plans[index] = if node.is_leaf() {
             leaf(area * triangle_cost, node.prim_count)
         } else {
-            join(area, triangle_cost, &plans[first], &plans[first + 1])
+            divided(area, triangle_cost, &plans[first], &plans[first + 1])
         };
     }
     plans
@@ -196,7 +217,7 @@ fn leaf(cost: f32, count: u32) -> Plan {
 }
 
 /// The plan for a node of two halves.
-fn join(area: f32, triangle_cost: f32, a: &Plan, b: &Plan) -> Plan {
+fn divided(area: f32, triangle_cost: f32, a: &Plan, b: &Plan) -> Plan {
     let best = |children: usize| {
         (children.saturating_sub(7).max(1)..children.min(8))
             .map(|k| (a.cost[k - 1] + b.cost[children - k - 1], k as u8))
@@ -227,9 +248,39 @@ struct Collapse<'a> {
     leaves: Vec<Leaf8>,
     moved_leaves: Vec<Leaf8>,
     order: Vec<u32>,
+    /// Place of the first triangle in the order of the whole hierarchy.
+    start: u32,
 }
 
 impl Collapse<'_> {
+    /// The hierarchy over `all` of some triangles, whose order begins at `start` in that of a whole one and whose root is at
+    /// `level` of it.
+    fn of(triangles: Triangles<'_>, all: &[u32], padding: f32, start: u32, level: usize) -> Bvh {
+        let heaps = heaps(&triangles, all);
+        let input: Vec<BuildTriangle> = heaps.first.iter().map(|i| triangles.input(*i)).collect();
+        let mut params = BvhBuildParams::medium_build();
+        params.max_prims_per_leaf = 1;
+        let tree = build_bvh2_from_tris(&input, params, &mut Duration::default());
+        drop(input);
+        let triangle_cost = if all.len() <= FEW { TRIANGLE_COST_OF_FEW } else { TRIANGLE_COST };
+        let plans = plans(&tree, triangle_cost);
+        let mut collapse = Collapse {
+            tree: &tree,
+            triangles,
+            heaps,
+            plans,
+            padding,
+            nodes: Vec::new(),
+            leaves: Vec::new(),
+            moved_leaves: Vec::new(),
+            order: Vec::new(),
+            start,
+        };
+        collapse.node(0, level);
+        let Collapse { nodes, leaves, moved_leaves, order, .. } = collapse;
+        Bvh { nodes, leaves, moved_leaves, order }
+    }
+
     /// Appends the wide node at `level` that stands for binary node `root` and what is below it; returns its index.
     fn node(&mut self, root: usize, level: usize) -> u32 {
         if level >= BY_COUNT {
@@ -310,11 +361,11 @@ impl Collapse<'_> {
         if order.len() > MAX_LEAF as usize {
             return (self.node_by_count(order), 0);
         }
-        let first = self.order.len();
+        let first = self.start + self.order.len() as u32;
         self.order.extend(order);
         let leaf = |all: &[Triangle]| {
             let triangles: Vec<Triangle> = order.iter().map(|i| all[*i as usize]).collect();
-            Leaf8::new(first as u32, &triangles)
+            Leaf8::new(first, &triangles)
         };
         self.leaves.push(leaf(self.triangles.open));
         if !self.triangles.closing.is_empty() {
@@ -342,3 +393,6 @@ impl Collapse<'_> {
         triangles
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -41,6 +41,13 @@ impl Node8 {
         self.lower[0][i] <= self.upper[0][i]
     }
 
+    /// The box around all children: its lower and its upper corner.
+    pub fn hull(&self) -> ([f32; 3], [f32; 3]) {
+        let lower = self.lower.map(|row| row.into_iter().fold(f32::INFINITY, f32::min));
+        let upper = self.upper.map(|row| row.into_iter().fold(f32::NEG_INFINITY, f32::max));
+        (lower, upper)
+    }
+
     /// How many children there are, if those that are not there come last and every box is finite or empty. A walk over a
     /// packet stops at the first empty box, that of a single ray looks at all eight: both must see the same.
     pub(super) fn children(&self) -> Option<usize> {
