@@ -1,0 +1,36 @@
+//! The doors through which input comes: of each what must hold for any bytes, and inputs to begin with. Shared with the fuzz
+//! targets of the same names, which call `check` for long.
+
+pub mod bytes;
+pub mod capi;
+pub mod estimate;
+pub mod features;
+pub mod hierarchy;
+pub mod homography;
+pub mod merge;
+pub mod picture;
+pub mod predict;
+
+#[allow(dead_code, reason = "scenes are made otherwise here")]
+#[path = "../view/mod.rs"]
+mod view;
+
+/// What can come through.
+pub struct Door {
+    /// Of the fuzz target.
+    pub name: &'static str,
+    /// Panics if something does not hold of an input.
+    pub check: fn(&[u8]),
+    /// Inputs that get far.
+    pub seeds: fn() -> Vec<Vec<u8>>,
+}
+
+macro_rules! doors {
+    ($($name:ident),*) => { [$(Door { name: stringify!($name), check: $name::check, seeds: $name::seeds }),*] };
+}
+
+/// All of them.
+pub const ALL: [Door; 8] = doors![merge, estimate, homography, features, predict, hierarchy, capi, picture];
+
+/// Inputs that came through once, by door.
+pub const FOUND: [(&str, &[u8]); 1] = [("estimate", include_bytes!("found/estimate-negative"))];
