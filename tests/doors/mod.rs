@@ -33,4 +33,7 @@ macro_rules! doors {
 pub const ALL: [Door; 8] = doors![merge, estimate, homography, features, predict, hierarchy, capi, picture];
 
 /// Inputs that came through once, by door.
-pub const FOUND: [(&str, &[u8]); 1] = [("estimate", include_bytes!("found/estimate-negative"))];
+pub const FOUND: [(&str, &[u8]); 2] = [
+    ("estimate", include_bytes!("found/estimate-negative")),
+    ("picture", include_bytes!("found/picture-claim")),
+];

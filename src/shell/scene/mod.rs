@@ -133,6 +133,7 @@ mod animation;
 mod assemble;
 pub mod bvh;
 mod channel;
+pub(crate) mod claim;
 mod error;
 mod facing;
 mod file;

@@ -1,9 +1,11 @@
 //! Reads pictures of the sky: OpenEXR, and Radiance HDR by the crate `image`.
 
 use super::map::SkyMap;
+use crate::scene::claim;
 use crate::scene::error::Error;
 use exr::prelude as exr;
 use pmcip_core::tracer::scene::sky::MAX_SKY_SIDE;
+use std::fs::File;
 use std::path::Path;
 
 /// The brightest that half precision holds: what is infinite was meant to be at least that.
@@ -68,7 +70,7 @@ fn check_size(width: usize, height: usize) -> Result<(), String> {
 }
 
 fn read_exr(path: &Path) -> Result<Picture, String> {
-    let meta = ::exr::meta::MetaData::read_from_file(path, false).map_err(|e| e.to_string())?;
+    let meta = claim::head(&File::open(path).map_err(|e| e.to_string())?)?;
     let size = meta.headers.first().map_or(exr::Vec2(0, 0), |header| header.layer_size);
     check_size(size.width(), size.height())?;
     let new = |size: exr::Vec2<usize>, _: &_| Picture {
