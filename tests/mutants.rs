@@ -6,7 +6,9 @@ mod mutant;
 
 use doors::bytes::Random;
 use mutant::{GLTF, MTL, OBJ, Place, glb};
+use std::fs;
 use std::panic::catch_unwind;
+use std::path::Path;
 
 /// A word of a film, one of its fields as often as any, and what becomes of it.
 fn change(random: &mut Random) -> (u16, u32) {
@@ -147,4 +149,24 @@ fn nothing_comes_through_door_capi() {
 #[test]
 fn nothing_comes_through_door_picture() {
     try_door("picture", 500);
+}
+
+/// Writes inputs to begin with for all fuzz targets to where `cargo fuzz run` looks for them: see CONTRIBUTING.md.
+#[test]
+#[ignore = "writes to fuzz/corpus"]
+fn seeds_become_files() {
+    let (place, mut random) = (Place::new(), Random(4));
+    let files =
+        [("obj", OBJ), ("mtl", MTL), ("texture", &place.picture), ("gltf", GLTF), ("gltf", &glb(GLTF))];
+    let files = files.map(|(name, file)| (name, file.to_vec()));
+    // Of these any bytes are an input that gets far.
+    let any = ["allocate", "weights", "guide", "scene", "film"];
+    let any = any.iter().flat_map(|name| [64, 256, 1024].map(|length| (*name, random.bytes(length))));
+    let doors = doors::ALL.iter().flat_map(|door| (door.seeds)().into_iter().map(|seed| (door.name, seed)));
+    let found = doors::FOUND.iter().map(|(name, input)| (*name, input.to_vec()));
+    for (number, (name, input)) in files.into_iter().chain(any).chain(doors).chain(found).enumerate() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/corpus").join(name);
+        fs::create_dir_all(&folder).expect("the folder can be made");
+        fs::write(folder.join(format!("seed-{number}")), input).expect("it can be written");
+    }
 }

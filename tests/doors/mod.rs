@@ -33,7 +33,9 @@ macro_rules! doors {
 pub const ALL: [Door; 8] = doors![merge, estimate, homography, features, predict, hierarchy, capi, picture];
 
 /// Inputs that came through once, by door.
-pub const FOUND: [(&str, &[u8]); 2] = [
+pub const FOUND: [(&str, &[u8]); 4] = [
     ("estimate", include_bytes!("found/estimate-negative")),
+    ("hierarchy", include_bytes!("found/hierarchy-wild")),
+    ("predict", include_bytes!("found/predict-overflow")),
     ("picture", include_bytes!("found/picture-claim")),
 ];
