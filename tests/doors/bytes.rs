@@ -28,6 +28,10 @@ impl<'a> Bytes<'a> {
         self.array::<1>()[0]
     }
 
+    pub fn half(&mut self) -> u16 {
+        u16::from_le_bytes(self.array())
+    }
+
     pub fn word(&mut self) -> u32 {
         u32::from_le_bytes(self.array())
     }
@@ -94,7 +98,7 @@ impl Cycle {
         (0..length).map(|_| self.one()).collect()
     }
 
-    fn eight(&mut self) -> f32x8 {
+    pub fn eight(&mut self) -> f32x8 {
         f32x8::from(std::array::from_fn(|_| self.one()))
     }
 }

@@ -1,17 +1,23 @@
 //! The doors through which input comes: of each what must hold for any bytes, and inputs to begin with. Shared with the fuzz
 //! targets of the same names, which call `check` for long.
 
+pub mod allocate;
 pub mod bytes;
 pub mod capi;
 pub mod estimate;
 pub mod features;
+pub mod film;
+pub mod guide;
 pub mod hierarchy;
 pub mod homography;
 pub mod merge;
 pub mod picture;
 pub mod predict;
+pub mod scene;
+pub mod weights;
 
-#[allow(dead_code, reason = "scenes are made otherwise here")]
+#[path = "../films/mod.rs"]
+pub mod films;
 #[path = "../view/mod.rs"]
 mod view;
 
@@ -30,7 +36,10 @@ macro_rules! doors {
 }
 
 /// All of them.
-pub const ALL: [Door; 8] = doors![merge, estimate, homography, features, predict, hierarchy, capi, picture];
+pub const ALL: [Door; 13] = doors![
+    allocate, weights, merge, estimate, guide, homography, features, predict, hierarchy, scene, film, capi,
+    picture
+];
 
 /// Inputs that came through once, by door.
 pub const FOUND: [(&str, &[u8]); 4] = [
