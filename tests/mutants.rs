@@ -113,67 +113,67 @@ fn no_film_does_harm() {
 
 #[test]
 fn nothing_comes_through_door_allocate() {
-    try_door("allocate", 4000);
+    try_door("allocate", 100_000);
 }
 
 #[test]
 fn nothing_comes_through_door_weights() {
-    try_door("weights", 200);
+    try_door("weights", 3_000);
 }
 
 #[test]
 fn nothing_comes_through_door_merge() {
-    try_door("merge", 1000);
+    try_door("merge", 10_000);
 }
 
 #[test]
 fn nothing_comes_through_door_estimate() {
-    try_door("estimate", 1000);
+    try_door("estimate", 4_000);
 }
 
 #[test]
 fn nothing_comes_through_door_guide() {
-    try_door("guide", 60);
+    try_door("guide", 100);
 }
 
 #[test]
 fn nothing_comes_through_door_homography() {
-    try_door("homography", 1000);
+    try_door("homography", 40_000);
 }
 
 #[test]
 fn nothing_comes_through_door_features() {
-    try_door("features", 300);
+    try_door("features", 6_000);
 }
 
 #[test]
 fn nothing_comes_through_door_predict() {
-    try_door("predict", 300);
+    try_door("predict", 4_000);
 }
 
 #[test]
 fn nothing_comes_through_door_hierarchy() {
-    try_door("hierarchy", 2000);
+    try_door("hierarchy", 100_000);
 }
 
 #[test]
 fn nothing_comes_through_door_scene() {
-    try_door("scene", 200);
+    try_door("scene", 10_000);
 }
 
 #[test]
 fn nothing_comes_through_door_film() {
-    try_door("film", 200);
+    try_door("film", 10_000);
 }
 
 #[test]
 fn nothing_comes_through_door_capi() {
-    try_door("capi", 1000);
+    try_door("capi", 8_000);
 }
 
 #[test]
 fn nothing_comes_through_door_picture() {
-    try_door("picture", 500);
+    try_door("picture", 10_000);
 }
 
 /// Writes inputs to begin with for all fuzz targets to where `cargo fuzz run` looks for them: see CONTRIBUTING.md.

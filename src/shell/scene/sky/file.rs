@@ -1,9 +1,10 @@
 //! Reads pictures of the sky: OpenEXR, and Radiance HDR by the crate `image`.
 
 use super::map::SkyMap;
-use crate::scene::claim;
 use crate::scene::error::Error;
-use exr::prelude as exr;
+use crate::scene::openexr;
+use exr::math::Vec2;
+use exr::meta::MetaData;
 use pmcip_core::tracer::scene::sky::MAX_SKY_SIDE;
 use std::fs::File;
 use std::path::Path;
@@ -70,18 +71,13 @@ fn check_size(width: usize, height: usize) -> Result<(), String> {
 }
 
 fn read_exr(path: &Path) -> Result<Picture, String> {
-    let meta = claim::head(&File::open(path).map_err(|e| e.to_string())?)?;
-    let size = meta.headers.first().map_or(exr::Vec2(0, 0), |header| header.layer_size);
-    check_size(size.width(), size.height())?;
-    let new = |size: exr::Vec2<usize>, _: &_| Picture {
-        size: (size.width(), size.height()),
-        texels: vec![[0.0; 3]; size.area()],
+    let file = File::open(path).map_err(|e| e.to_string())?;
+    let check = |head: &MetaData| {
+        let size = head.headers.first().map_or(Vec2(0, 0), |header| header.layer_size);
+        check_size(size.width(), size.height())
     };
-    let set = |picture: &mut Picture, at: exr::Vec2<usize>, (r, g, b, _): (f32, f32, f32, f32)| {
-        picture.texels[at.y() * picture.size.0 + at.x()] = [r, g, b];
-    };
-    let image = exr::read_first_rgba_layer_from_file(path, new, set).map_err(|e| e.to_string())?;
-    Ok(image.layer_data.channel_data.pixels)
+    let (width, height, pixels) = openexr::rgba(file, check)?;
+    Ok(Picture { size: (width, height), texels: pixels.into_iter().map(|[r, g, b, _]| [r, g, b]).collect() })
 }
 
 fn read_hdr(path: &Path) -> Result<Picture, String> {
