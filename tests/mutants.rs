@@ -173,7 +173,7 @@ fn nothing_comes_through_door_capi() {
 
 #[test]
 fn nothing_comes_through_door_picture() {
-    try_door("picture", 10_000);
+    try_door("picture", 2_000);
 }
 
 /// Writes inputs to begin with for all fuzz targets to where `cargo fuzz run` looks for them: see CONTRIBUTING.md.
