@@ -9,7 +9,7 @@
 //! - difference: D_p, the mean of the pixel's fair samples: its first ones, as many in every pixel, fixed before the
 //!   frame. Unbiased in every pixel, since nothing that was seen decides which these are, with any points; noisy, since
 //!   they are few.
-//! - balanced: C = F + a·G((D − F)/Gᵀa) with F = Q, G about a Gaussian of σ² = r(r + 1), reflected at the borders; a = √L(|F|)
+//! - balanced: C = F + a·G((D − F)/Gᵀa) with F = Q, G about a Gaussian of σ² = r(r + 1), reflected at the borders; a = √L(F)
 //!   says how much a pixel takes of what its neighbourhood has lost. Whatever a and G are, ΣC = ΣD: the image's
 //!   energy is exactly unbiased, and the error is about Q's. G = UBV: V sums over cells of 8 × 8 pixels and is
 //!   divided by what its cell's takers take, B is three box passes over the grid of cells, U interpolates
@@ -23,7 +23,8 @@
 //! dilute what is given back and what is taken alike, so the quotient does not see them, and ΣC = ΣD for every island.
 //!
 //! F can be any picture ([`Sampler::resolve_guided`](crate::sampler::Sampler::resolve_guided)): the energy is D's, the error
-//! about F's. Then a = √(L(|F|) + 10⁻⁶·|F − Q|), so that what a black F loses finds takers as well.
+//! about F's. Then a = √(L(F) + 10⁻⁶·|F − Q|), so that what a black F loses finds takers as well. A negative L(F) counts as 0;
+//! what of Q is negative, because samples are, counts like light.
 //!
 //! D and S are accumulated while streaming, in one RGB plane besides Q. A rejected sample counts as black in them.
 

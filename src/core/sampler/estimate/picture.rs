@@ -202,14 +202,16 @@ fn radii(radius: u32) -> [u32; 3] {
     [0, 1, 2].map(|i| least + u32::from(i < larger))
 }
 
-/// How much a pixel takes of what its neighbourhood has lost: the root of the guide's luminance. Negative light counts like
-/// positive, so that somebody takes what is lost where a renderer's filter or a denoiser has made all of it negative.
+/// How much a pixel takes of what its neighbourhood has lost: the root of the guide's luminance.
 ///
-/// And a little of what the guide has changed, so that somebody takes what a guide loses that is black everywhere.
+/// And a little of what the guide has changed, so that somebody takes what a guide loses that is black everywhere; and what of
+/// the mean is negative, so that somebody takes what is lost where a renderer's samples all are.
 #[inline(always)]
 fn takes(guide: [f32x8; 3], mean: [f32x8; 3]) -> f32x8 {
     let [r, g, b] = [0, 1, 2].map(|c| (guide[c] - mean[c]).abs());
-    (luminance8(guide.map(f32x8::abs)) + (r + g + b) * f32x8::splat(1e-6)).sqrt()
+    let below = luminance8(mean.map(|v| (-v).fast_max(f32x8::ZERO)));
+    let seen = luminance8(guide).fast_max(f32x8::ZERO) + below;
+    (seen + (r + g + b) * f32x8::splat(1e-6)).sqrt()
 }
 
 /// Sums the excess over each cell, and what its pixels take over all pixels that interpolate between it and others.
