@@ -287,7 +287,10 @@ fn planes(bytes: &mut Bytes, lot: &mut Lot) {
             0 => done(pmcip_film_variance(lot.film, floats.pointer())),
             1 => done(pmcip_film_count(lot.film, counts.pointer())),
             2 => done(pmcip_film_beliefs(lot.film, beliefs.as_mut_ptr())),
-            3 => !done(pmcip_film_alpha(lot.film, null_mut())) && false,
+            3 => {
+                assert!(!done(pmcip_film_alpha(lot.film, null_mut())));
+                false
+            }
             _ => done(pmcip_film_alpha(lot.film, floats.pointer())),
         }
     };
