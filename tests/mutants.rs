@@ -5,7 +5,7 @@ mod mutant;
 
 use doors::bytes::Random;
 use doors::films;
-use mutant::{GLTF, MTL, OBJ, Place, glb};
+use mutant::{GLTF, MTL, OBJ, Place, TOML, glb};
 use std::fs;
 use std::panic::catch_unwind;
 use std::path::Path;
@@ -61,6 +61,31 @@ fn no_file_does_harm() {
         place.load(&mutant(&mut random, OBJ), MTL, &place.picture);
         place.load(OBJ, &mutant(&mut random, MTL), &place.picture);
         place.load(OBJ, MTL, &mutant(&mut random, &place.picture));
+    }
+}
+
+#[test]
+fn no_scene_file_does_harm() {
+    let (place, mut random) = (Place::new(), Random(4));
+    place.load_toml(TOML);
+    for _ in 0..400 {
+        place.load_toml(&mutant(&mut random, TOML));
+    }
+}
+
+/// A file that never ends is not read.
+#[cfg(unix)]
+#[test]
+fn what_is_no_file_is_refused() {
+    let mesh = String::from_utf8_lossy(TOML).replace("s.obj", "/dev/zero");
+    let sky = "[sky]\nfile = \"zero.exr\"\n";
+    let folder = tempfile::tempdir().unwrap();
+    std::os::unix::fs::symlink("/dev/zero", folder.path().join("zero.exr")).unwrap();
+    for text in [mesh.as_str(), sky] {
+        let file = folder.path().join("s.toml");
+        fs::write(&file, text).unwrap();
+        let message = pmcip::scene::load(&file).unwrap_err().to_string();
+        assert!(message.ends_with("no regular file"), "{message}");
     }
 }
 
@@ -181,8 +206,14 @@ fn nothing_comes_through_door_picture() {
 #[ignore = "writes to fuzz/corpus"]
 fn seeds_become_files() {
     let place = Place::new();
-    let files =
-        [("obj", OBJ), ("mtl", MTL), ("texture", &place.picture), ("gltf", GLTF), ("gltf", &glb(GLTF))];
+    let files = [
+        ("obj", OBJ),
+        ("mtl", MTL),
+        ("texture", &place.picture),
+        ("gltf", GLTF),
+        ("gltf", &glb(GLTF)),
+        ("toml", TOML),
+    ];
     let files = files.map(|(name, file)| (name, file.to_vec()));
     let doors = doors::ALL.iter().flat_map(|door| (door.seeds)().into_iter().map(|seed| (door.name, seed)));
     let found = doors::FOUND.iter().map(|(name, input)| (*name, input.to_vec()));

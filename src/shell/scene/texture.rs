@@ -1,6 +1,6 @@
 //! Textures: pictures in every format that `image` reads, sRGB or linear on disk, linear in memory, each file once.
 
-use super::openexr;
+use super::{openexr, source};
 use image::{DynamicImage, ImageFormat, ImageReader, Rgba32FImage};
 use pmcip_core::tracer::scene::Texture;
 use std::collections::HashMap;
@@ -257,9 +257,8 @@ fn is_near(corners: [[f32; 2]; 3], [x, y]: [f32; 2]) -> bool {
 
 /// Reads a picture by what it is, whatever its name says; the name counts where contents have no mark.
 fn decode(path: &Path) -> Result<DynamicImage, String> {
-    let open =
-        || ImageReader::open(path).and_then(ImageReader::with_guessed_format).map_err(|e| e.to_string());
-    let mut reader = open()?;
+    let open = |()| ImageReader::open(path).and_then(ImageReader::with_guessed_format);
+    let mut reader = source::check_regular(path).and_then(open).map_err(|e| e.to_string())?;
     if reader.format().is_none() {
         // TGA has no mark.
         reader.set_format(ImageFormat::Tga);

@@ -2,7 +2,7 @@
 
 use super::map::SkyMap;
 use crate::scene::error::Error;
-use crate::scene::openexr;
+use crate::scene::{openexr, source};
 use exr::math::Vec2;
 use exr::meta::MetaData;
 use pmcip_core::tracer::scene::sky::MAX_SKY_SIDE;
@@ -34,6 +34,9 @@ impl SkyMap {
 pub(super) fn load(path: &Path, scale: f32) -> Result<(SkyMap, Vec<String>), Error> {
     let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
     let picture = match extension.as_str() {
+        "exr" | "hdr" if source::check_regular(path).is_err() => {
+            Err("it is missing, or no regular file".to_owned())
+        }
         "exr" => read_exr(path),
         "hdr" => read_hdr(path),
         _ => Err("a sky is an .exr or .hdr file".to_owned()),
