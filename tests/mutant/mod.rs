@@ -19,7 +19,7 @@ pub const MTL: &[u8] = b"newmtl m\nKd .5 .5 .5\nKs .1\nNs 20\nd .5\nTr .5\nTf 1 
 pub const TOML: &[u8] = b"[film]\nwidth = 8\nheight = 6\nexposure = 1\n[render]\nspp = 4\n[frames]\nfirst = 1\nlast = 9\n\
     [camera]\nfrom = [0, 0, 6]\nat = [0, 0, 0]\nfov = 40\naperture = 0.1\n\
     keys = [{ frame = 1, from = [0, 1, 6], at = [0, 0, 0] }, { frame = 9, from = [1, 0, 5], at = [0, 0, 1] }]\n\
-    [sky]\nsun = [1, 2, 3]\nscale = 0.01\n[[meshes]]\nfile = \"s.obj\"\nscale = 2\n\
+    [sky]\ncolor = [1, 2, 3]\nscale = 0.01\nrotate = [0, 20, 0]\n[[meshes]]\nfile = \"s.obj\"\nscale = 2\n\
     [[spheres]]\ncenter = [0, 0, 1]\nradius = 0.5\nsubdivisions = 1\nmaterial = \"m\"\n\
     [[lights]]\ncenter = [0, 3, 2]\nedge_u = [1, 0, 0]\nedge_v = [0, 0, 1]\nradiance = [9, 8, 7]\n\
     [materials.m]\nkind = \"glass\"\nior = 1.5\n[materials.n]\ndiffuse = [0.1, 0.2, 0.3]\nroughness = 0.3\n";
