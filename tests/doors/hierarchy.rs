@@ -1,11 +1,11 @@
-//! Any arrays as a scene: nodes with any children and boxes, leaves of any triangles, lights and textures anywhere. They are
+//! Any arrays as a scene: nodes with any children and boxes, leaves of any triangles, still or moving, lights and textures anywhere. They are
 //! refused, or rays end in them, the same together and alone.
 
 use super::bytes::{Bytes, Cycle};
 use super::view::{Random, probe};
 use pmcip_core::tracer::scene::light;
 use pmcip_core::tracer::scene::{
-    Leaf8, Light, Material, NO_TEXTURE, Node8, Scene, SceneData, Surface, Texture, Triangle,
+    Leaf8, Light, Material, Motion, NO_TEXTURE, Node8, Scene, SceneData, Surface, Texture, Triangle,
 };
 
 /// Nodes are fewer than this: more than levels are allowed.
@@ -18,15 +18,22 @@ pub fn check(data: &[u8]) {
     let tame = kind & 1 == 1;
     let [triangles, leaves, nodes] = [24, 20, NODES].map(|end| bytes.below(end));
     let mut coordinates = bytes.cycle(72, tame);
-    let triangles: Vec<Triangle> = (0..triangles).map(|_| triangle(&mut coordinates, tame)).collect();
-    let leaves: Vec<(usize, Leaf8)> = (0..leaves).map(|_| leaf(&mut bytes, &triangles)).collect();
+    let mut list = || (0..triangles).map(|_| triangle(&mut coordinates, tame)).collect::<Vec<Triangle>>();
+    let open = list();
+    let closing = if kind & 8 == 8 { list() } else { open.clone() };
+    let leaves: Vec<(usize, [Leaf8; 2])> = (0..leaves).map(|_| leaf(&mut bytes, [&open, &closing])).collect();
+    let firsts: Vec<usize> = leaves.iter().map(|(first, _)| *first).collect();
     let mut after = Vec::new();
     for index in (0..nodes).rev() {
-        let node = node(&mut bytes, (index, nodes), &after, &leaves, &triangles);
+        let node = node(&mut bytes, (index, nodes), &after, &firsts, [&open, &closing]);
         after.push(node);
     }
     after.reverse();
-    let leaves: Vec<Leaf8> = leaves.into_iter().map(|(_, leaf)| leaf).collect();
+    let [leaves, closing_leaves] =
+        [0, 1].map(|i| leaves.iter().map(|(_, leaf)| leaf[i]).collect::<Vec<Leaf8>>());
+    let normals = vec![[[0.0; 3]; 3]; triangles];
+    let motion = Motion { triangles: &closing, leaves: &closing_leaves, normals: &normals };
+    let triangles = open;
     let texture = if kind & 2 == 0 { NO_TEXTURE } else { u32::from(bytes.byte() % 3) };
     let textures = [0; 2].map(|_| texture_of(&mut bytes));
     let texels = vec![[0.5; 3]; bytes.below(40)];
@@ -53,6 +60,8 @@ pub fn check(data: &[u8]) {
         textures: &textures,
         texels: &texels,
         lights: &lights,
+        normal_maps: if kind & 128 == 0 { &[] } else { &[texture; 2] },
+        motion: (kind & 8 == 8).then_some(motion),
         ..SceneData::default()
     };
     match Scene::new(data) {
@@ -72,11 +81,11 @@ fn texture_of(bytes: &mut Bytes) -> Texture {
 }
 
 /// The first triangle of a leaf, and the leaf: of these triangles or of others, as many as there are or not.
-fn leaf(bytes: &mut Bytes, triangles: &[Triangle]) -> (usize, Leaf8) {
-    let (first, count, other) = (bytes.below(triangles.len() + 1), bytes.below(10), bytes.byte());
-    let end = triangles.len().min(first + count);
+fn leaf(bytes: &mut Bytes, triangles: [&[Triangle]; 2]) -> (usize, [Leaf8; 2]) {
+    let (first, count, other) = (bytes.below(triangles[0].len() + 1), bytes.below(10), bytes.byte());
+    let end = triangles[0].len().min(first + count);
     let first_said = if other < 240 { first } else { usize::from(other) };
-    (first, Leaf8::new(first_said as u32, &triangles[first..end]))
+    (first, triangles.map(|triangles| Leaf8::new(first_said as u32, &triangles[first..end])))
 }
 
 /// A node with any children, which are right as a rule, and boxes that fit as a rule.
@@ -84,14 +93,13 @@ fn node(
     bytes: &mut Bytes,
     (index, nodes): (usize, usize),
     after: &[Node8],
-    leaves: &[(usize, Leaf8)],
-    triangles: &[Triangle],
+    leaves: &[usize],
+    triangles: [&[Triangle]; 2],
 ) -> Node8 {
     let mut node = Node8::EMPTY;
-    let children = bytes.below(9);
-    for child in 0..children {
+    for child in 0..bytes.below(9) {
         let (kind, which) = (bytes.byte(), bytes.byte());
-        let points = if kind & 1 == 0 {
+        let points: Vec<[f32; 3]> = if kind & 1 == 0 {
             // An inner child; nodes that are known come after this one.
             let below = index + 1 + usize::from(which) % (nodes - index);
             node.child[child] = if kind & 2 == 0 { below as u32 } else { u32::from(which) };
@@ -100,14 +108,13 @@ fn node(
         } else {
             let which = usize::from(which) % (leaves.len() + usize::from(kind & 2 == 2)).max(1);
             (node.child[child], node.count[child]) = (which as u32, 1 + u32::from(kind >> 4) % 9);
-            let first = leaves.get(which).map_or(0, |(first, _)| *first);
-            let end = triangles.len().min(first + node.count[child] as usize);
-            triangles[first..end].iter().flat_map(|t| t.corners).collect()
+            let first = leaves.get(which).copied().unwrap_or(0);
+            let end = triangles[0].len().min(first + node.count[child] as usize);
+            triangles.iter().flat_map(|list| &list[first..end]).flat_map(|t| t.corners).collect()
         };
         for axis in 0..3 {
-            let (mut lower, mut upper) = points
-                .iter()
-                .fold((f32::INFINITY, f32::NEG_INFINITY), |(l, u), p| (l.min(p[axis]), u.max(p[axis])));
+            let around = |(l, u): (f32, f32), p: &[f32; 3]| (l.min(p[axis]), u.max(p[axis]));
+            let (mut lower, mut upper) = points.iter().fold((f32::INFINITY, f32::NEG_INFINITY), around);
             if kind & 12 == 12 {
                 (lower, upper) = (bytes.float(kind & 16 == 0), bytes.float(kind & 16 == 0));
             }
@@ -123,7 +130,7 @@ fn corners(node: &Node8) -> Vec<[f32; 3]> {
     used.flat_map(|child| [node.lower.map(|row| row[child]), node.upper.map(|row| row[child])]).collect()
 }
 
-/// Nothing, a leaf, a tree of two levels, a chain that is too deep, a circle.
+/// Nothing, a leaf, one that moves, a tree of two levels, a chain that is too deep, a circle.
 pub fn seeds() -> Vec<Vec<u8>> {
     let coordinates: Vec<u8> = (0..36i16).flat_map(|i| ((i * 37) % 128).to_le_bytes()).collect();
     let head = |kind: u8, triangles: u8, leaves: u8, nodes: u8| {
@@ -138,6 +145,14 @@ pub fn seeds() -> Vec<Vec<u8>> {
     vec![
         head(1, 0, 0, 0),
         [head(1, 16, 8, 1), leaves.clone(), floor.clone()].concat(),
+        [head(9, 16, 8, 1), leaves.clone(), floor.clone()].concat(),
+        [
+            head(0x8b, 16, 8, 1),
+            leaves.clone(),
+            floor.clone(),
+            vec![1, 3, 3, 0, 1, 0, 1, 4, 4, 0, 0, 0, 1, 39],
+        ]
+        .concat(),
         chain(1, 2).concat(),
         chain(1, 31).concat(),
         chain(0x31, 39).concat(),

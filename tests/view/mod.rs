@@ -205,7 +205,8 @@ fn rays(random: &mut Random) -> Rays8 {
         |centre: f32, wide: f32| f32x8::from([0; 8].map(|_| centre + wide * (random.unit() - 0.5)));
     let origin = Vec3x8::new(number(0.5, 2.0), number(0.5, 2.0), number(0.5, 2.0));
     let direction = Vec3x8::new(number(0.3, 2.0 * wide), number(-0.2, 2.0 * wide), number(0.7, 2.0 * wide));
-    Rays8 { origin, direction: direction.normalized(), t_max: f32x8::splat(10.0), ..Rays8::default() }
+    let time = number(0.5, 0.9);
+    Rays8 { origin, direction: direction.normalized(), t_max: f32x8::splat(10.0), time }
 }
 
 /// `t_max` in one lane, idle in the others.
