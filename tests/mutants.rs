@@ -1,43 +1,55 @@
 //! Files with bytes changed to anything, a short run of what the fuzz targets do for long.
 
-mod films;
+mod doors;
 mod mutant;
 
-use mutant::{GLTF, MTL, OBJ, Place, glb};
+use doors::bytes::Random;
+use doors::films;
+use mutant::{GLTF, MTL, OBJ, Place, TOML, glb};
+use std::fs;
+use std::panic::catch_unwind;
+use std::path::Path;
 
-/// Bits by a linear congruence, the same in every run.
-struct Random(u64);
+/// A word of a film, one of its fields as often as any, and what becomes of it.
+fn change(random: &mut Random) -> (u16, u32) {
+    let at = if random.below(2) == 0 { random.below(30) } else { random.below(1 << 16) };
+    let word = match random.below(5) {
+        0 => 0,
+        1 => u32::MAX,
+        2 => random.below(64) as u32,
+        _ => (random.below(1 << 31) << 1) as u32,
+    };
+    (at as u16, word)
+}
 
-impl Random {
-    fn below(&mut self, end: usize) -> usize {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 33) as usize % end
+/// A file with a few bytes replaced, doubled or taken away.
+fn mutant(random: &mut Random, file: &[u8]) -> Vec<u8> {
+    const WORDS: [&[u8]; 10] =
+        [b"nan", b"-1", b"1e39", b"0", b"/", b"\n", b"\\\n", b"4294967296", b"\xff", b" "];
+    let mut file = file.to_vec();
+    for _ in 0..1 + random.below(4) {
+        let (start, length) = (random.below(file.len() + 1), random.below(5));
+        let end = (start + length).min(file.len());
+        let word = WORDS[random.below(WORDS.len())].to_vec();
+        file.splice(start..end, if random.below(3) == 0 { Vec::new() } else { word });
     }
+    file
+}
 
-    /// A word of a film, one of its fields as often as any, and what becomes of it.
-    fn change(&mut self) -> (u16, u32) {
-        let at = if self.below(2) == 0 { self.below(30) } else { self.below(1 << 16) };
-        let word = match self.below(5) {
-            0 => 0,
-            1 => u32::MAX,
-            2 => self.below(64) as u32,
-            _ => (self.below(1 << 31) << 1) as u32,
-        };
-        (at as u16, word)
-    }
-
-    /// A file with a few bytes replaced, doubled or taken away.
-    fn mutant(&mut self, file: &[u8]) -> Vec<u8> {
-        const WORDS: [&[u8]; 10] =
-            [b"nan", b"-1", b"1e39", b"0", b"/", b"\n", b"\\\n", b"4294967296", b"\xff", b" "];
-        let mut file = file.to_vec();
-        for _ in 0..1 + self.below(4) {
-            let (start, length) = (self.below(file.len() + 1), self.below(5));
-            let end = (start + length).min(file.len());
-            let word = WORDS[self.below(WORDS.len())].to_vec();
-            file.splice(start..end, if self.below(3) == 0 { Vec::new() } else { word });
+/// Seeds of a door, inputs that were found once, and so many mutants of seeds.
+fn try_door(name: &str, runs: usize) {
+    let door = doors::ALL.iter().find(|door| door.name == name).expect("a door");
+    let (seeds, mut random) = ((door.seeds)(), Random(1));
+    let found = doors::FOUND.iter().filter(|(of, _)| *of == name).map(|(_, input)| input.to_vec());
+    let mut inputs: Vec<Vec<u8>> = seeds.iter().cloned().chain(found).collect();
+    inputs.extend((0..runs).map(|i| {
+        let once = random.mutant(&seeds[i % seeds.len()]);
+        if i % 3 == 0 { random.mutant(&once) } else { once }
+    }));
+    for input in inputs {
+        if catch_unwind(|| (door.check)(&input)).is_err() {
+            panic!("door {name}, input {input:02x?}");
         }
-        file
     }
 }
 
@@ -46,9 +58,34 @@ fn no_file_does_harm() {
     let (place, mut random) = (Place::new(), Random(1));
     place.load(OBJ, MTL, &place.picture);
     for _ in 0..400 {
-        place.load(&random.mutant(OBJ), MTL, &place.picture);
-        place.load(OBJ, &random.mutant(MTL), &place.picture);
-        place.load(OBJ, MTL, &random.mutant(&place.picture));
+        place.load(&mutant(&mut random, OBJ), MTL, &place.picture);
+        place.load(OBJ, &mutant(&mut random, MTL), &place.picture);
+        place.load(OBJ, MTL, &mutant(&mut random, &place.picture));
+    }
+}
+
+#[test]
+fn no_scene_file_does_harm() {
+    let (place, mut random) = (Place::new(), Random(4));
+    place.load_toml(TOML);
+    for _ in 0..400 {
+        place.load_toml(&mutant(&mut random, TOML));
+    }
+}
+
+/// A file that never ends is not read.
+#[cfg(unix)]
+#[test]
+fn what_is_no_file_is_refused() {
+    let mesh = String::from_utf8_lossy(TOML).replace("s.obj", "/dev/zero");
+    let sky = "[sky]\nfile = \"zero.exr\"\n";
+    let folder = tempfile::tempdir().unwrap();
+    std::os::unix::fs::symlink("/dev/zero", folder.path().join("zero.exr")).unwrap();
+    for text in [mesh.as_str(), sky] {
+        let file = folder.path().join("s.toml");
+        fs::write(&file, text).unwrap();
+        let message = pmcip::scene::load(&file).unwrap_err().to_string();
+        assert!(message.ends_with("no regular file"), "{message}");
     }
 }
 
@@ -59,8 +96,8 @@ fn no_gltf_file_does_harm() {
     place.load_gltf(GLTF);
     place.load_gltf(&binary);
     for _ in 0..200 {
-        place.load_gltf(&random.mutant(GLTF));
-        place.load_gltf(&random.mutant(&binary));
+        place.load_gltf(&mutant(&mut random, GLTF));
+        place.load_gltf(&mutant(&mut random, &binary));
     }
 }
 
@@ -92,9 +129,97 @@ fn no_film_does_harm() {
     }
     for round in 0..4000 {
         let film = &films[round % films.len()];
-        let changes: Vec<(u16, u32)> = (0..1 + random.below(3)).map(|_| random.change()).collect();
+        let changes: Vec<(u16, u32)> = (0..1 + random.below(3)).map(|_| change(&mut random)).collect();
         taken += u32::from(films::probe(film, &films[1], &changes));
     }
     // Most words are numbers of pixels, which may be anything.
     assert!(taken > 1000, "{taken}");
+}
+
+#[test]
+fn nothing_comes_through_door_allocate() {
+    try_door("allocate", 100_000);
+}
+
+#[test]
+fn nothing_comes_through_door_weights() {
+    try_door("weights", 3_000);
+}
+
+#[test]
+fn nothing_comes_through_door_merge() {
+    try_door("merge", 10_000);
+}
+
+#[test]
+fn nothing_comes_through_door_estimate() {
+    try_door("estimate", 4_000);
+}
+
+#[test]
+fn nothing_comes_through_door_guide() {
+    try_door("guide", 100);
+}
+
+#[test]
+fn nothing_comes_through_door_homography() {
+    try_door("homography", 40_000);
+}
+
+#[test]
+fn nothing_comes_through_door_features() {
+    try_door("features", 6_000);
+}
+
+#[test]
+fn nothing_comes_through_door_predict() {
+    try_door("predict", 4_000);
+}
+
+#[test]
+fn nothing_comes_through_door_hierarchy() {
+    try_door("hierarchy", 100_000);
+}
+
+#[test]
+fn nothing_comes_through_door_scene() {
+    try_door("scene", 10_000);
+}
+
+#[test]
+fn nothing_comes_through_door_film() {
+    try_door("film", 10_000);
+}
+
+#[test]
+fn nothing_comes_through_door_capi() {
+    try_door("capi", 8_000);
+}
+
+#[test]
+fn nothing_comes_through_door_picture() {
+    try_door("picture", 2_000);
+}
+
+/// Writes inputs to begin with for all fuzz targets to where `cargo fuzz run` looks for them: see CONTRIBUTING.md.
+#[test]
+#[ignore = "writes to fuzz/corpus"]
+fn seeds_become_files() {
+    let place = Place::new();
+    let files = [
+        ("obj", OBJ),
+        ("mtl", MTL),
+        ("texture", &place.picture),
+        ("gltf", GLTF),
+        ("gltf", &glb(GLTF)),
+        ("toml", TOML),
+    ];
+    let files = files.map(|(name, file)| (name, file.to_vec()));
+    let doors = doors::ALL.iter().flat_map(|door| (door.seeds)().into_iter().map(|seed| (door.name, seed)));
+    let found = doors::FOUND.iter().map(|(name, input)| (*name, input.to_vec()));
+    for (number, (name, input)) in files.into_iter().chain(doors).chain(found).enumerate() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/corpus").join(name);
+        fs::create_dir_all(&folder).expect("the folder can be made");
+        fs::write(folder.join(format!("seed-{number}")), input).expect("it can be written");
+    }
 }

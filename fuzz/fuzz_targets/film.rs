@@ -2,23 +2,10 @@
 
 #![no_main]
 
-use arbitrary::Arbitrary;
 use libfuzzer_sys::fuzz_target;
-use std::sync::LazyLock;
 
-#[path = "../../tests/films/mod.rs"]
-mod films;
+#[allow(dead_code, reason = "shared with other targets")]
+#[path = "../../tests/doors/mod.rs"]
+mod doors;
 
-#[derive(Arbitrary, Debug)]
-struct Input {
-    film: u8,
-    other: u8,
-    changes: Vec<(u16, u32)>,
-}
-
-static SOUND: LazyLock<Vec<Vec<u8>>> = LazyLock::new(films::sound);
-
-fuzz_target!(|input: Input| {
-    let [film, other] = [input.film, input.other].map(|i| &SOUND[usize::from(i) % SOUND.len()]);
-    films::probe(film, other, &input.changes);
-});
+fuzz_target!(|data: &[u8]| doors::film::check(data));

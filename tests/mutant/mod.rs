@@ -1,5 +1,5 @@
 //! Mesh, material and picture files of any bytes: loading them must end, without a panic, in an error of one line or in a
-//! scene that the core accepts. Shared with the fuzz targets `obj`, `mtl`, `texture` and `gltf`.
+//! scene that the core accepts. Shared with the fuzz targets `obj`, `mtl`, `texture`, `gltf` and `toml`.
 
 use pmcip::scene::{Animation, LightChoice, Options};
 use pmcip_core::tracer::scene::Scene;
@@ -14,6 +14,15 @@ pub const OBJ: &[u8] =
 /// Statements of all kinds.
 pub const MTL: &[u8] = b"newmtl m\nKd .5 .5 .5\nKs .1\nNs 20\nd .5\nTr .5\nTf 1 1 1\nNi 1.5\nillum 4\nmap_Kd -s 2 2 2 -clamp on t.png\n\
     map_d t.png -bm 1\nmap_Bump b.png\nnewmtl n\nKe 1 2 3\nmap_Ke -o 1 t.png\nPr .5\nPm 1\n";
+
+/// Tables of all kinds.
+pub const TOML: &[u8] = b"[film]\nwidth = 8\nheight = 6\nexposure = 1\n[render]\nspp = 4\n[frames]\nfirst = 1\nlast = 9\n\
+    [camera]\nfrom = [0, 0, 6]\nat = [0, 0, 0]\nfov = 40\naperture = 0.1\n\
+    keys = [{ frame = 1, from = [0, 1, 6], at = [0, 0, 0] }, { frame = 9, from = [1, 0, 5], at = [0, 0, 1] }]\n\
+    [sky]\ncolor = [1, 2, 3]\nscale = 0.01\nrotate = [0, 20, 0]\n[[meshes]]\nfile = \"s.obj\"\nscale = 2\n\
+    [[spheres]]\ncenter = [0, 0, 1]\nradius = 0.5\nsubdivisions = 1\nmaterial = \"m\"\n\
+    [[lights]]\ncenter = [0, 3, 2]\nedge_u = [1, 0, 0]\nedge_v = [0, 0, 1]\nradiance = [9, 8, 7]\n\
+    [materials.m]\nkind = \"glass\"\nior = 1.5\n[materials.n]\ndiffuse = [0.1, 0.2, 0.3]\nroughness = 0.3\n";
 
 /// Nodes, meshes, materials, lights, animations of all kinds, the buffer within.
 pub const GLTF: &[u8] = include_bytes!("scene.gltf");
@@ -45,14 +54,23 @@ impl Place {
 
     /// Loads a glTF file in both ways, and goes through frames of it.
     pub fn load_gltf(&self, bytes: &[u8]) {
-        load(self.folder.path(), &[("s.gltf", bytes)], |animation| {
-            for frame in [0, 7, 1 << 20] {
-                match animation.seek(frame) {
-                    Ok(_) => assert_eq!(Scene::new(animation.scene().data()).err(), None),
-                    Err(error) => return assert!(!error.to_string().contains('\n'), "{error}"),
-                }
-            }
-        });
+        load(self.folder.path(), &[("s.gltf", bytes)], seek);
+    }
+
+    /// Loads a scene file in both ways, and goes through frames of it.
+    pub fn load_toml(&self, bytes: &[u8]) {
+        let files = [("s.toml", bytes), ("s.obj", OBJ), ("s.mtl", MTL), ("t.png", &self.picture)];
+        load(self.folder.path(), &files, seek);
+    }
+}
+
+/// Goes through frames.
+fn seek(animation: &mut Animation) {
+    for frame in [0, 7, 1 << 20] {
+        match animation.seek(frame) {
+            Ok(_) => assert_eq!(Scene::new(animation.scene().data()).err(), None),
+            Err(error) => return assert!(!error.to_string().contains('\n'), "{error}"),
+        }
     }
 }
 

@@ -7,6 +7,7 @@
 
 use crate::error::Error;
 use crate::picture::output;
+use crate::scene::openexr;
 use exr::prelude::{
     AnyChannel, AnyChannels, AttributeValue, Encoding, FlatSamples, Image, Layer, LayerAttributes,
     ReadChannels, ReadLayers, Text, WritableImage,
@@ -110,13 +111,12 @@ fn attribute_length(bytes: &[u8]) -> usize {
 /// Reads an EXR file: colours, the other channels of the same part, and attributes of ours.
 ///
 /// # Errors
-/// [`Error::Read`] if the file is missing, damaged, has only deep data or no `R`, `G` and `B`.
+/// [`Error::Read`] if the file is missing, damaged, has only deep data or no `R`, `G` and `B`, or claims more pixels than a
+/// file of its length can hold.
 pub fn read_exr(path: &Path) -> Result<Picture, Error> {
     let file = File::open(path).map_err(|reason| Error::read(path, output::plain(&reason)))?;
     let reader = exr::prelude::read().no_deep_data().largest_resolution_level().all_channels().all_layers();
-    let image = reader
-        .all_attributes()
-        .from_buffered(BufReader::new(file))
+    let image = openexr::read(file, |_| Ok(()), reader.all_attributes())
         .map_err(|reason| Error::read(path, reason))?;
     let found = image.layer_data.iter().find_map(|layer| Some((layer, colour_prefix(&layer.channel_data)?)));
     let (layer, prefix) = found.ok_or_else(|| Error::read(path, "it has no channels R, G and B"))?;

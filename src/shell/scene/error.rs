@@ -50,7 +50,7 @@ impl Error {
 /// # Errors
 /// If it cannot be read, or is something else than text: what it seems to be.
 pub(super) fn read(path: &Path) -> Result<String, Error> {
-    match std::fs::read(path) {
+    match source::bytes(path) {
         Ok(bytes) => match source::other_kind(&bytes) {
             Some(kind) => Err(Error::in_file(path, format!("it seems to be {kind}"))),
             None => Ok(source::decode(bytes)),

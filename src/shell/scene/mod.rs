@@ -144,6 +144,7 @@ mod model;
 mod notes;
 mod obj;
 mod object;
+pub(crate) mod openexr;
 mod options;
 mod place;
 mod pose;

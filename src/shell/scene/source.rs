@@ -1,5 +1,25 @@
 //! Text of files as people have them: byte-order marks, UTF-16, Latin-1; and what a file is that is no text at all.
 
+use std::path::Path;
+use std::{fs, io};
+
+/// Makes sure that a path leads to a file or a folder: what has no end, or waits for somebody to write, is never read.
+///
+/// # Errors
+/// If there is nothing, or something else.
+pub(super) fn check_regular(path: &Path) -> io::Result<()> {
+    let what = fs::metadata(path)?;
+    if what.is_file() || what.is_dir() { Ok(()) } else { Err(io::Error::other("it is no regular file")) }
+}
+
+/// The bytes of a file.
+///
+/// # Errors
+/// If it cannot be read or is no regular file.
+pub(super) fn bytes(path: &Path) -> io::Result<Vec<u8>> {
+    check_regular(path).and_then(|()| fs::read(path))
+}
+
 /// The text of a file: UTF-8, UTF-16 by its mark or its zeros, else Latin-1.
 pub(super) fn decode(bytes: Vec<u8>) -> String {
     match bytes.as_slice() {

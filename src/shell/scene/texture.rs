@@ -1,8 +1,10 @@
 //! Textures: pictures in every format that `image` reads, sRGB or linear on disk, linear in memory, each file once.
 
-use image::{DynamicImage, ImageFormat, ImageReader};
+use super::{openexr, source};
+use image::{DynamicImage, ImageFormat, ImageReader, Rgba32FImage};
 use pmcip_core::tracer::scene::Texture;
 use std::collections::HashMap;
+use std::io::{BufRead, Seek};
 use std::path::{Path, PathBuf};
 
 /// How a picture lies on the surface.
@@ -255,20 +257,28 @@ fn is_near(corners: [[f32; 2]; 3], [x, y]: [f32; 2]) -> bool {
 
 /// Reads a picture by what it is, whatever its name says; the name counts where contents have no mark.
 fn decode(path: &Path) -> Result<DynamicImage, String> {
-    let open =
-        || ImageReader::open(path).and_then(ImageReader::with_guessed_format).map_err(|e| e.to_string());
-    let mut reader = open()?;
+    let open = |()| ImageReader::open(path).and_then(ImageReader::with_guessed_format);
+    let mut reader = source::check_regular(path).and_then(open).map_err(|e| e.to_string())?;
     if reader.format().is_none() {
         // TGA has no mark.
         reader.set_format(ImageFormat::Tga);
     }
-    reader.decode().map_err(|e| e.to_string().replace('\n', " "))
+    pixels(reader)
 }
 
 /// Reads a picture in memory by what it is.
 pub(super) fn decode_bytes(bytes: &[u8]) -> Result<DynamicImage, String> {
     let reader = ImageReader::new(std::io::Cursor::new(bytes)).with_guessed_format();
-    reader.map_err(|e| e.to_string())?.decode().map_err(|e| e.to_string().replace('\n', " "))
+    pixels(reader.map_err(|e| e.to_string())?)
+}
+
+fn pixels(reader: ImageReader<impl BufRead + Seek>) -> Result<DynamicImage, String> {
+    if reader.format() != Some(ImageFormat::OpenExr) {
+        return reader.decode().map_err(|e| e.to_string().replace('\n', " "));
+    }
+    let (width, height, pixels) = openexr::rgba(reader.into_inner(), |_| Ok(()))?;
+    let picture = Rgba32FImage::from_raw(width as u32, height as u32, pixels.into_flattened());
+    picture.map(DynamicImage::ImageRgba32F).ok_or_else(|| "it has too many pixels".to_owned())
 }
 
 /// Whether the values of a picture are linear as they are.

@@ -23,7 +23,8 @@
 //! dilute what is given back and what is taken alike, so the quotient does not see them, and ΣC = ΣD for every island.
 //!
 //! F can be any picture ([`Sampler::resolve_guided`](crate::sampler::Sampler::resolve_guided)): the energy is D's, the error
-//! about F's. Then a = √(L(F) + 10⁻⁶·|F − Q|), so that what a black F loses finds takers as well.
+//! about F's. Then a = √(L(F) + 10⁻⁶·|F − Q|), so that what a black F loses finds takers as well. A negative L(F) counts as 0;
+//! what of Q is negative, because samples are, counts like light.
 //!
 //! D and S are accumulated while streaming, in one RGB plane besides Q. A rejected sample counts as black in them.
 

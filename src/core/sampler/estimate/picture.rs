@@ -29,6 +29,10 @@ const NEAR: [[f32; CELL]; 3] = {
     near
 };
 
+/// What a cell's takers must take, for its excess to be spread: the root of the least normal number, so that no light is too
+/// faint, and 64 pixels of [`MAX_RADIANCE`] over it are still a number.
+const LEAST_TAKEN: f32 = 1e-19;
+
 /// Length of the scratch [`balanced`] needs.
 pub(crate) fn scratch_len(width: u32, height: u32) -> usize {
     let (columns, rows) = (width.div_ceil(CELL as u32), height.div_ceil(CELL as u32));
@@ -179,8 +183,8 @@ fn guided_among(
     gather(layout, (among, region), parts, taken, excess.as_chunks_mut().0);
     smooth::<1>(taken, size, radii, lines);
     for (excess, taken) in excess.as_chunks_mut::<3>().0.iter_mut().zip(taken) {
-        // Where nobody takes anything, no sample was ever bright: there is nothing to spread.
-        *excess = excess.map(|excess| excess / taken.max(1e-12));
+        // Where nobody takes anything, no sample was ever anything but black: there is nothing to spread.
+        *excess = if *taken > LEAST_TAKEN { excess.map(|excess| excess / *taken) } else { [0.0; 3] };
     }
     smooth::<3>(excess, size, radii, lines);
     spread(layout, (among, region), parts, excess.as_chunks().0, out);
@@ -200,11 +204,14 @@ fn radii(radius: u32) -> [u32; 3] {
 
 /// How much a pixel takes of what its neighbourhood has lost: the root of the guide's luminance.
 ///
-/// And a little of what the guide has changed, so that somebody takes what a guide loses that is black everywhere.
+/// And a little of what the guide has changed, so that somebody takes what a guide loses that is black everywhere; and what of
+/// the mean is negative, so that somebody takes what is lost where a renderer's samples all are.
 #[inline(always)]
 fn takes(guide: [f32x8; 3], mean: [f32x8; 3]) -> f32x8 {
     let [r, g, b] = [0, 1, 2].map(|c| (guide[c] - mean[c]).abs());
-    (luminance8(guide).fast_max(f32x8::ZERO) + (r + g + b) * f32x8::splat(1e-6)).sqrt()
+    let below = luminance8(mean.map(|v| (-v).fast_max(f32x8::ZERO)));
+    let seen = luminance8(guide).fast_max(f32x8::ZERO) + below;
+    (seen + (r + g + b) * f32x8::splat(1e-6)).sqrt()
 }
 
 /// Sums the excess over each cell, and what its pixels take over all pixels that interpolate between it and others.

@@ -42,7 +42,7 @@ pub(super) struct Container {
 /// # Errors
 /// If it is something else, of another version, damaged, or needs extensions that are not known.
 pub(super) fn open(path: &Path) -> Result<Container, Error> {
-    let bytes = std::fs::read(path).map_err(|source| Error::Read { path: path.to_owned(), source })?;
+    let bytes = source::bytes(path).map_err(|source| Error::Read { path: path.to_owned(), source })?;
     let blame = |message: String| Error::in_file(path, message);
     if bytes.starts_with(b"glTF") {
         let (json, binary) = chunks(&bytes).map_err(blame)?;

@@ -3,6 +3,7 @@
 
 use super::uri::{Place, resolve};
 use crate::scene::error::Error;
+use crate::scene::source;
 use gltf::accessor::{DataType, Dimensions, Item, Iter};
 use gltf::{Accessor, Document, buffer};
 use std::path::Path;
@@ -27,7 +28,7 @@ impl Data {
                 Some(uri) => match resolve(path, uri).map_err(blame)? {
                     Place::Here(bytes) => bytes,
                     Place::File(file) => {
-                        std::fs::read(&file).map_err(|e| blame(format!("{}: {e}", file.display())))?
+                        source::bytes(&file).map_err(|e| blame(format!("{}: {e}", file.display())))?
                     }
                 },
                 None if number == 0 => binary.take().ok_or_else(|| blame("it has no data".into()))?,

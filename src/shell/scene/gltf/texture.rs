@@ -6,6 +6,7 @@
 use super::data::Data;
 use super::uri::{Place, resolve};
 use crate::scene::notes::Notes;
+use crate::scene::source;
 use crate::scene::texture::{Lay, Loaded, Purpose, TextureCache, decode_bytes, is_linear, linear};
 use glam::{Mat2, Vec2};
 use gltf::material::NormalTexture;
@@ -172,7 +173,7 @@ impl<'a> Pictures<'a> {
             return match resolve(self.path, uri)? {
                 Place::Here(bytes) => decode(&bytes),
                 Place::File(file) => {
-                    let bytes = std::fs::read(&file).map_err(|e| format!("{}: {e}", file.display()))?;
+                    let bytes = source::bytes(&file).map_err(|e| format!("{}: {e}", file.display()))?;
                     decode(&bytes).map_err(|e| format!("{}: {e}", file.display()))
                 }
             };

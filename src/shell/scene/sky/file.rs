@@ -2,8 +2,11 @@
 
 use super::map::SkyMap;
 use crate::scene::error::Error;
-use exr::prelude as exr;
+use crate::scene::{openexr, source};
+use exr::math::Vec2;
+use exr::meta::MetaData;
 use pmcip_core::tracer::scene::sky::MAX_SKY_SIDE;
+use std::fs::File;
 use std::path::Path;
 
 /// The brightest that half precision holds: what is infinite was meant to be at least that.
@@ -31,6 +34,9 @@ impl SkyMap {
 pub(super) fn load(path: &Path, scale: f32) -> Result<(SkyMap, Vec<String>), Error> {
     let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
     let picture = match extension.as_str() {
+        "exr" | "hdr" if source::check_regular(path).is_err() => {
+            Err("it is missing, or no regular file".to_owned())
+        }
         "exr" => read_exr(path),
         "hdr" => read_hdr(path),
         _ => Err("a sky is an .exr or .hdr file".to_owned()),
@@ -68,18 +74,13 @@ fn check_size(width: usize, height: usize) -> Result<(), String> {
 }
 
 fn read_exr(path: &Path) -> Result<Picture, String> {
-    let meta = ::exr::meta::MetaData::read_from_file(path, false).map_err(|e| e.to_string())?;
-    let size = meta.headers.first().map_or(exr::Vec2(0, 0), |header| header.layer_size);
-    check_size(size.width(), size.height())?;
-    let new = |size: exr::Vec2<usize>, _: &_| Picture {
-        size: (size.width(), size.height()),
-        texels: vec![[0.0; 3]; size.area()],
+    let file = File::open(path).map_err(|e| e.to_string())?;
+    let check = |head: &MetaData| {
+        let size = head.headers.first().map_or(Vec2(0, 0), |header| header.layer_size);
+        check_size(size.width(), size.height())
     };
-    let set = |picture: &mut Picture, at: exr::Vec2<usize>, (r, g, b, _): (f32, f32, f32, f32)| {
-        picture.texels[at.y() * picture.size.0 + at.x()] = [r, g, b];
-    };
-    let image = exr::read_first_rgba_layer_from_file(path, new, set).map_err(|e| e.to_string())?;
-    Ok(image.layer_data.channel_data.pixels)
+    let (width, height, pixels) = openexr::rgba(file, check)?;
+    Ok(Picture { size: (width, height), texels: pixels.into_iter().map(|[r, g, b, _]| [r, g, b]).collect() })
 }
 
 fn read_hdr(path: &Path) -> Result<Picture, String> {

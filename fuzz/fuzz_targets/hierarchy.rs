@@ -1,0 +1,11 @@
+//! Any arrays as a scene: refused, or rays end in them.
+
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+
+#[allow(dead_code, reason = "shared with other targets")]
+#[path = "../../tests/doors/mod.rs"]
+mod doors;
+
+fuzz_target!(|data: &[u8]| doors::hierarchy::check(data));
