@@ -42,10 +42,11 @@ pub const ALL: [Door; 13] = doors![
 ];
 
 /// Inputs that came through once, by door.
-pub const FOUND: [(&str, &[u8]); 5] = [
+pub const FOUND: [(&str, &[u8]); 6] = [
     ("estimate", include_bytes!("found/estimate-negative")),
     ("hierarchy", include_bytes!("found/hierarchy-wild")),
     ("predict", include_bytes!("found/predict-overflow")),
     ("picture", include_bytes!("found/picture-claim")),
     ("picture", include_bytes!("found/picture-b44")),
+    ("picture", include_bytes!("found/picture-tile")),
 ];
