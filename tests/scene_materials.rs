@@ -127,11 +127,11 @@ fn metals_and_roughness_of_the_pbr_extension_arrive() {
 
 #[test]
 fn what_is_not_honoured_is_named_once() {
-    let mtl = "Ka 1 1 1\nmap_Bump -bm 1 b.png\nnorm n.png\nPs 0.5\nnewmtl o\nmap_Bump b.png\nnewmtl p\nmap_Ns s.png\n";
+    let mtl = "Ka 1 1 1\nmap_Bump -bm 1 b.png\ndisp d.png\nPs 0.5\nnewmtl o\nmap_Bump b.png\nnewmtl p\nmap_Ns s.png\n";
     let (_, warnings) = material(mtl);
     assert_eq!(warnings.len(), 1, "{warnings:?}");
     assert!(
-        warnings[0].ends_with("without effect here: Ps, map_Bump (2 times), map_Ns, norm"),
+        warnings[0].ends_with("without effect here: Ps, disp, map_Bump (2 times), map_Ns"),
         "{warnings:?}"
     );
 }

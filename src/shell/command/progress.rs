@@ -172,8 +172,11 @@ impl Progress {
                 self.bar.set_position((line.done * STEPS) as u64);
                 self.bar.set_message(self.words(&line, state.finished + 1));
             }
-            // Plain data with string keys: it cannot fail to become JSON.
-            Some(Form::Json) => eprintln!("{}", serde_json::to_string(&line).unwrap_or_default()),
+            Some(Form::Json) => {
+                // Plain data with string keys: it cannot fail to become JSON. If nobody reads it, that is no reason to end.
+                let line = serde_json::to_string(&line).unwrap_or_default();
+                let _ = writeln!(std::io::stderr(), "{line}");
+            }
             Some(Form::Openjd) => {
                 let (percent, words) = (100.0 * line.done, self.words(&line, state.finished + 1));
                 // A reader that has closed the pipe has read enough.

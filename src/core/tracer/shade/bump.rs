@@ -6,7 +6,7 @@
 //! nothing is scattered to it: that light is lost, as it is with everybody's normal maps.
 
 use super::fetch::Surfaces;
-use super::hit::{is_some, textured};
+use super::texel::{is_some, textured};
 use crate::maths::vec3::Vec3x8;
 use crate::tracer::scene::{Scattering, SceneData};
 use wide::{f32x8, u32x8};

@@ -54,6 +54,15 @@ pub(super) struct Surfaces {
     pub material: [u32; 8],
 }
 
+impl Surfaces {
+    /// Texture coordinates at barycentric weights.
+    #[inline(always)]
+    pub fn coordinates(&self, weights: [f32x8; 3]) -> (f32x8, f32x8) {
+        let mix = |[a, b, c]: [f32x8; 3]| a * weights[0] + b * weights[1] + c * weights[2];
+        (mix(self.uv.map(|t| t.0)), mix(self.uv.map(|t| t.1)))
+    }
+}
+
 /// Fetches surfaces.
 #[inline(always)]
 pub(super) fn surfaces(data: &SceneData<'_>, triangle: [u32; 8]) -> Surfaces {

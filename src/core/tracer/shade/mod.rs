@@ -1,6 +1,7 @@
 //! From hits to radiance: materials, lights and the integrators that combine them.
 //!
-//! * `hit` – what the surface is like where a ray meets it; `fetch` – how its records are fetched; `bump` – normal maps;
+//! * `hit` – what the surface is like where a ray meets it; `fetch` – how its records are fetched; `texel` – textures;
+//! * `bump` – normal maps;
 //! * [`cutout`] – surfaces that are only partly there;
 //! * `light` – picking a light and a point on it; `sky` – directions to the sky; `emitters` – both of them;
 //! * `rough`, `specular` – the scattering functions;
@@ -30,4 +31,5 @@ mod site;
 mod sky;
 mod source;
 mod specular;
+mod texel;
 mod vertex;

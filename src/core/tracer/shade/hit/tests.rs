@@ -1,6 +1,7 @@
+use super::super::texel::bilinear;
 use super::*;
 use crate::maths::sobol::hash;
-use crate::tracer::scene::{Material, Motion, Surface, Triangle};
+use crate::tracer::scene::{Material, Motion, Surface, Texture, Triangle};
 
 impl SurfacePoints {
     /// The plane z = 0 of this material, its shading normal up, met at this cosine to its front.
