@@ -72,6 +72,11 @@ fn a_picture_of_another_program_is_a_row_of_every_table() {
     let page = fs::read_to_string(path.join("report/report.html")).unwrap();
     assert!(page.contains("</i>peer</td><td>–</td>") && page.contains("<dt>told</dt><dd>own.exr</dd>"));
     assert!(!page.contains("NaN"));
+    // Image, difference, and as many crops as places are enlarged.
+    for caption in ["</i>peer, 0.25", "</i>peer, 2", "</i>told, 0.5"] {
+        let own = page.matches(caption).count();
+        assert!(own >= 3, "{caption}: {own}");
+    }
 }
 
 #[test]

@@ -36,7 +36,7 @@ fn compare_still(arguments: &Compare, scene: &LoadedScene) -> Result<(), Failure
         Still(Shot { scene, base, reference: &reference.picture, noise: reference.energy_noise() });
     let (plan, mut comparison) = run_plan(arguments, &mut stage, base)?;
     for (other, picture) in others {
-        comparison.add(other, &picture, &stage.0).map_err(blame)?;
+        comparison.add(other, picture, &stage.0).map_err(blame)?;
     }
     finish_report(arguments, Report::new(scene, &plan, &reference, &comparison))?;
     admit(arguments.common.quiet, comparison.tally)

@@ -17,9 +17,10 @@ impl Comparison {
     ///
     /// # Errors
     /// As [`metrics::measure`].
-    pub fn add(&mut self, other: Other, picture: &Picture, shot: &Shot) -> Result<(), Error> {
-        self.rows.push(row(&other, picture, shot)?);
+    pub fn add(&mut self, other: Other, picture: Picture, shot: &Shot) -> Result<(), Error> {
+        self.rows.push(row(&other, &picture, shot)?);
         self.others.push(other);
+        self.other_pictures.push(picture.rgb);
         Ok(())
     }
 }

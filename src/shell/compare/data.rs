@@ -78,8 +78,10 @@ pub struct Comparison {
     pub frames: Vec<FrameRow>,
     /// One for each method, of the first frame.
     pub shown: Vec<Shown>,
-    /// Pictures of other programs.
+    /// Pictures of other programs, those of one name in a row.
     pub others: Vec<Other>,
+    /// Their pixels, in the same order.
+    pub other_pictures: Vec<Vec<[f32; 3]>>,
     /// What an oracle would gain over uniform sampling in Err in the first frame, if the reference has a `variance`
     /// plane.
     pub oracle_ratio: Option<f64>,

@@ -20,7 +20,7 @@ pub struct Kind {
     pub unit: &'static str,
     /// What the colours mean; the rendered image has none.
     pub scale: Option<Scale>,
-    /// In the order of the methods.
+    /// In the order of the methods; then those of other programs, of the image and the difference.
     pub rasters: Vec<Raster>,
 }
 
@@ -44,14 +44,10 @@ impl Gallery {
         let truth: Vec<f64> = reference.rgb.iter().map(|rgb| luminance(*rgb)).collect();
         let exposure = exposure(&truth);
         let image = |rgb: &[[f32; 3]]| develop(rgb, size, exposure);
-        let images = Kind {
-            title: "Image",
-            unit: "",
-            scale: None,
-            rasters: shown.iter().map(|shown| image(&shown.frame.rgb)).collect(),
-        };
+        let images =
+            Kind { title: "Image", unit: "", scale: None, rasters: pixels(comparison).map(image).collect() };
         let mapped = [
-            ("Difference to the reference", "luminance, scene units", difference(shown, &truth)),
+            ("Difference to the reference", "luminance, scene units", difference(comparison, &truth)),
             ("Relative variance", "of the pixel’s mean, over L² + 0.01", relative_variance(shown, &truth)),
             ("Samples", "a pixel", samples(shown)),
             ("Kernel α", "times the number of pixels; uniform is 1", kernel(shown)),
@@ -66,7 +62,7 @@ impl Gallery {
             exposure,
             reference: image(&reference.rgb),
             kinds: std::iter::once(images).chain(mapped).collect(),
-            zooms: zooms(&visible_errors(shown, &truth, cd_per_unit), size),
+            zooms: zooms(&visible_errors(comparison, &truth, cd_per_unit), size),
         }
     }
 }
@@ -94,8 +90,15 @@ fn planes(shown: &[Shown], of: impl Fn(&Shown) -> Vec<f64>) -> Vec<Vec<f64>> {
     shown.iter().map(of).collect()
 }
 
-fn difference(shown: &[Shown], truth: &[f64]) -> Vec<Vec<f64>> {
-    planes(shown, |s| s.frame.rgb.iter().zip(truth).map(|(rgb, truth)| luminance(*rgb) - truth).collect())
+/// The pixels of all pictures: of the methods, then of other programs.
+fn pixels(comparison: &Comparison) -> impl Iterator<Item = &[[f32; 3]]> {
+    let own = comparison.shown.iter().map(|shown| shown.frame.rgb.as_slice());
+    own.chain(comparison.other_pictures.iter().map(Vec::as_slice))
+}
+
+fn difference(comparison: &Comparison, truth: &[f64]) -> Vec<Vec<f64>> {
+    let off = |rgb: &[[f32; 3]]| rgb.iter().zip(truth).map(|(rgb, truth)| luminance(*rgb) - truth).collect();
+    pixels(comparison).map(off).collect()
 }
 
 fn relative_variance(shown: &[Shown], truth: &[f64]) -> Vec<Vec<f64>> {
@@ -115,9 +118,9 @@ fn kernel(shown: &[Shown]) -> Vec<Vec<f64>> {
 }
 
 /// e²/tvi, what each pixel adds to Err.
-fn visible_errors(shown: &[Shown], truth: &[f64], cd_per_unit: f64) -> Vec<Vec<f64>> {
+fn visible_errors(comparison: &Comparison, truth: &[f64], cd_per_unit: f64) -> Vec<Vec<f64>> {
     let weights: Vec<f64> = truth.iter().map(|truth| acuity(*truth, cd_per_unit)).collect();
-    let mut planes = difference(shown, truth);
+    let mut planes = difference(comparison, truth);
     for plane in &mut planes {
         plane.iter_mut().zip(&weights).for_each(|(e, weight)| *e = (*e * cd_per_unit).powi(2) * weight);
     }

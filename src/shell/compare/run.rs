@@ -94,6 +94,7 @@ pub fn run(stage: &mut dyn Stage, plan: &Plan, progress: &(dyn Fn(u64) + Sync)) 
         rows: by_method.iter().map(|cell| cell.row()).collect(),
         frames: if stage.is_sequence() { curves() } else { Vec::new() },
         others: Vec::new(),
+        other_pictures: Vec::new(),
         threads: shown.first().map_or(0, |shown| shown.frame.threads),
         shown,
         oracle_ratio,

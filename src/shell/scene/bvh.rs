@@ -84,7 +84,7 @@ fn hull(points: impl Iterator<Item = Vec3A>) -> (Vec3A, Vec3A) {
 }
 
 /// Builds the hierarchy over `triangles`, which are where `closing` says as the shutter closes; that is empty if they stand
-/// still. Without triangles it is empty. Those of [`MANY`] triangles are made of parts on all threads, the same for any number
+/// still. Without triangles it is empty. Half a million of them are made of parts on all threads, the same for any number
 /// of them.
 pub fn build(triangles: &[Triangle], closing: &[Triangle]) -> Bvh {
     let triangles = Triangles { open: triangles, closing };
@@ -100,15 +100,17 @@ pub fn build(triangles: &[Triangle], closing: &[Triangle]) -> Bvh {
 
 /// Hierarchies of all parts, up to eight, below one root.
 fn join(triangles: Triangles<'_>, parts: Vec<Vec<u32>>, padding: f32) -> Bvh {
-    let starts = parts.iter().scan(0, |start, part| {
-        *start += part.len();
-        Some(*start - part.len())
-    });
-    let seated: Vec<_> = parts.iter().zip(starts.collect::<Vec<_>>()).collect();
-    let built: Vec<Bvh> = seated
-        .par_iter()
-        .map(|(part, start)| Collapse::of(triangles, part, padding, *start as u32, 1))
+    let mut next = 0;
+    let seated: Vec<(u32, Vec<u32>)> = parts
+        .into_iter()
+        .map(|part| {
+            let start = next;
+            next += part.len() as u32;
+            (start, part)
+        })
         .collect();
+    let of = |(start, part): (u32, Vec<u32>)| Collapse::of(triangles, &part, padding, start, 1);
+    let built: Vec<Bvh> = seated.into_par_iter().map(of).collect();
     let mut whole = Bvh { nodes: vec![Node8::EMPTY], ..Bvh::default() };
     for (slot, part) in built.into_iter().enumerate() {
         let (lower, upper) = part.nodes[0].hull();
@@ -119,8 +121,10 @@ fn join(triangles: Triangles<'_>, parts: Vec<Vec<u32>>, padding: f32) -> Bvh {
         }
         root.child[slot] = node;
         whole.nodes.extend(part.nodes.into_iter().map(|mut of_part| {
-            for child in (0..8).filter(|child| of_part.is_used(*child)).collect::<Vec<_>>() {
-                of_part.child[child] += if of_part.count[child] > 0 { leaf } else { node };
+            for child in 0..8 {
+                if of_part.is_used(child) {
+                    of_part.child[child] += if of_part.count[child] > 0 { leaf } else { node };
+                }
             }
             of_part
         }));

@@ -1,7 +1,7 @@
 //! The pictures of a comparison as parts of a page.
 
 use super::super::colour::{Scale, data_uri};
-use super::super::data::{Comparison, Shown};
+use super::super::data::Comparison;
 use super::super::digits::significant;
 use super::super::pictures::{Gallery, Kind};
 use super::super::raster::{Block, Raster};
@@ -10,17 +10,35 @@ use super::methods::named;
 /// Enlargement of the zooms.
 const ENLARGED: usize = 4;
 
-/// One row of pictures a method, one column a kind.
+/// What is written below the pictures of the methods, then of other programs: of these the seconds, since one may have several.
+fn captions(comparison: &Comparison) -> Vec<String> {
+    let own = comparison.shown.iter().enumerate().map(|(method, shown)| named(method, &shown.method));
+    let mut captions: Vec<String> = own.collect();
+    let programs = comparison.others.chunk_by(|a, b| a.name == b.name);
+    for (program, others) in programs.enumerate() {
+        let colour = comparison.shown.len() + program;
+        captions.extend(
+            others
+                .iter()
+                .map(|other| format!("{}, {} s", named(colour, &other.name), significant(other.seconds, 3))),
+        );
+    }
+    captions
+}
+
+/// One row of pictures a method or another program's picture, one column a kind.
 pub fn pictures(comparison: &Comparison, gallery: &Gallery) -> String {
     let spp = comparison.shown.first().map_or(0, |shown| shown.settings.spp);
     let columns = gallery.kinds.len();
     let heads: String = gallery.kinds.iter().map(|kind| head(kind, gallery.exposure)).collect();
-    let cell =
-        |kind: &Kind, method: usize, name: &str| figure(&kind.rasters[method], "", &named(method, name));
-    let row = |(method, shown): (usize, &Shown)| -> String {
-        gallery.kinds.iter().map(|kind| cell(kind, method, &shown.method)).collect()
+    let cell = |kind: &Kind, row: usize, caption: &str| match kind.rasters.get(row) {
+        Some(raster) => figure(raster, "", caption),
+        None => "<div></div>\n".to_owned(),
     };
-    let rows: String = comparison.shown.iter().enumerate().map(row).collect();
+    let row = |(row, caption): (usize, &String)| -> String {
+        gallery.kinds.iter().map(|kind| cell(kind, row, caption)).collect()
+    };
+    let rows: String = captions(comparison).iter().enumerate().map(row).collect();
     format!(
         "<h2>Pictures at {spp} samples a pixel</h2>\n\
          <div class='pictures' style='grid-template-columns:repeat({columns},1fr)'>\n{heads}{rows}</div>\n"
@@ -84,16 +102,15 @@ pub fn zooms(comparison: &Comparison, gallery: &Gallery) -> String {
     )
 }
 
-/// A block of the reference and of all methods.
+/// A block of the reference and of all pictures.
 fn strip(comparison: &Comparison, gallery: &Gallery, i: usize, block: &Block) -> String {
     let size = format!(" width='{}'", ENLARGED * block.side);
     let mut figures = figure(&gallery.reference.crop(block), &size, &format!("{}: reference", i + 1));
-    for (method, shown) in comparison.shown.iter().enumerate() {
-        let crops = gallery.kinds[..2].iter().map(|kind| kind.rasters[method].crop(block));
+    for (row, caption) in captions(comparison).iter().enumerate() {
+        let crops = gallery.kinds[..2].iter().map(|kind| kind.rasters[row].crop(block));
         let images: String =
             crops.map(|crop| format!("<img src='{}' alt=''{size}>\n", data_uri(&crop))).collect();
-        figures +=
-            &format!("<figure>{images}<figcaption>{}</figcaption></figure>\n", named(method, &shown.method));
+        figures += &format!("<figure>{images}<figcaption>{caption}</figcaption></figure>\n");
     }
     format!("<div class='strip'>\n{figures}</div>\n")
 }
