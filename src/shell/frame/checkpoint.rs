@@ -33,8 +33,8 @@ pub struct Keeper<'a> {
 }
 
 impl<'a> Keeper<'a> {
-    /// A keeper of the frame with these attributes, which removes what killed runs have left of its file; it writes after an iteration if `every` so many seconds have passed since
-    /// it wrote last, and when the frame is interrupted.
+    /// A keeper of the frame with these attributes, which removes what killed runs have left of its file; it writes after an
+    /// iteration if `every` so many seconds have passed since it wrote last, and when the frame is interrupted.
     pub fn new(exr: &Path, attributes: &'a BTreeMap<String, String>, every: Option<f32>) -> Self {
         let every = every.map(|seconds| Duration::try_from_secs_f32(seconds).unwrap_or(Duration::MAX));
         let path = path(exr);

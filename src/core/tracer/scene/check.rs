@@ -197,11 +197,11 @@ fn group_holds(data: &SceneData<'_>, node: &LightNode8, slot: usize, triangle: u
         let away = vec3::sub(corner, centre);
         vec3::dot(away, away) <= radius * radius * (1.0 + SLACK)
     };
-    let within = |normal: Option<[f32; 3]>| {
-        normal.is_some_and(|normal| vec3::dot(normal, axis) >= node.cosine[slot] - SLACK)
-    };
+    let within = |normal: [f32; 3]| vec3::dot(normal, axis) >= node.cosine[slot] - SLACK;
+    let normals = normals(open, closing);
     open.corners.into_iter().chain(closing.corners).all(near)
-        && normals(open, closing).into_iter().all(within)
+        && normals[0].is_some()
+        && normals.into_iter().flatten().all(within)
         && node.cosine[slot] >= -1.0
         && node.cosine[slot] <= 1.0
 }

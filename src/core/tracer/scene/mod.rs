@@ -4,9 +4,6 @@
 //! [`SceneData`]. [`Scene::new`] checks every index and the depth of the tree once; after that the hot path
 //! needs no error handling and a fixed stack suffices. Lengths are in scene units, colours linear Rec. 709.
 
-use super::camera;
-use wide::{f32x8, u32x8};
-
 pub(crate) mod check;
 mod data;
 mod hierarchy;
@@ -25,6 +22,9 @@ pub use motion::Motion;
 pub(crate) use motion::between;
 pub use sky::{Sky, Sun};
 pub use surface::{MIN_ROUGHNESS, Material, NO_TEXTURE, Scattering, Surface, Texture, Triangle};
+
+use super::camera;
+use wide::{f32x8, u32x8};
 
 /// A scene that has been checked: every index leads somewhere, the tree is a tree of bounded depth.
 #[derive(Clone, Copy, Debug)]

@@ -27,7 +27,7 @@ pub(crate) fn between(open: Vec3x8, closing: Vec3x8, time: f32x8) -> Vec3x8 {
 }
 
 /// Unit normals of a triangle on its straight way, between which all others lie: as it opens, as it closes, and where both
-/// mix; none of one without an area.
+/// mix; none where there is no area, which adds nothing to those in between.
 ///
 /// The cross product of edges that grow evenly is (1 − t)² the first of them, t² the second, and t (1 − t) the third.
 pub(super) fn normals(open: &Triangle, closing: &Triangle) -> [Option<[f32; 3]>; 3] {

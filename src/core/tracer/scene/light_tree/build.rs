@@ -136,9 +136,9 @@ impl Builder<'_> {
     }
 
     /// Normals between which all its normals lie.
-    fn normals(&self, light: u32) -> [[f32; 3]; 3] {
+    fn normals(&self, light: u32) -> impl Iterator<Item = [f32; 3]> {
         let [open, closing] = self.triangles(light);
-        normals(open, closing).map(|normal| normal.unwrap_or([0.0, 0.0, 1.0]))
+        normals(open, closing).into_iter().flatten()
     }
 
     fn single(&self, light: u32) -> Group {
@@ -146,8 +146,8 @@ impl Builder<'_> {
             self.corners(light).fold([start; 3], |all, corner| [0, 1, 2].map(|i| f(all[i], corner[i])))
         };
         let (lower, upper) = (pick(f32::min, f32::INFINITY), pick(f32::max, f32::NEG_INFINITY));
-        let [open, ..] = self.normals(light);
-        Group { lower, upper, normals: open, power: self.power(light), count: 1.0 }
+        let normal = self.normals(light).next().unwrap_or([0.0, 0.0, 1.0]);
+        Group { lower, upper, normals: normal, power: self.power(light), count: 1.0 }
     }
 
     fn group(&self, lights: &[u32]) -> Group {
