@@ -2,8 +2,8 @@
 
 use pmcip_core::tracer::scene::light;
 use pmcip_core::tracer::scene::{
-    Error, Leaf8, Light, LightNode8, MAX_DEPTH, MIN_ROUGHNESS, Material, Motion, NO_TEXTURE, Node8, Scene,
-    SceneData, Surface, Texture, Triangle,
+    Error, Lamp, Leaf8, Light, LightNode8, MAX_DEPTH, MIN_ROUGHNESS, Material, Motion, NO_TEXTURE, Node8,
+    Scene, SceneData, Surface, Texture, Triangle,
 };
 
 /// A valid scene of one lit triangle, changed by `change` before it is checked.
@@ -51,16 +51,22 @@ struct Parts {
 impl Parts {
     fn new() -> Parts {
         let triangle = Triangle { corners: [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]] };
+        let material = Material { emission: [1.0; 3], texture: 0, ..Material::default() };
         Parts {
             nodes: vec![node(0, 1)],
             leaves: vec![Leaf8::new(0, &[triangle])],
             triangles: vec![triangle],
             surfaces: vec![Surface::default()],
             colours: vec![],
-            materials: vec![Material { emission: [1.0; 3], texture: 0, ..Material::default() }],
+            materials: vec![material],
             textures: vec![Texture { width: 2, height: 1, first: 0, ..Texture::EMPTY }],
             texels: vec![[1.0; 3]; 2],
-            lights: vec![Light { triangle: 0, cumulative: 1.0, path: 0 }],
+            lights: vec![Light {
+                lamp: Lamp::new(&triangle, &material),
+                triangle: 0,
+                cumulative: 1.0,
+                path: 0,
+            }],
             light_nodes: vec![],
             closing: None,
             closing_leaves: vec![],
@@ -174,6 +180,9 @@ fn every_fault_is_named() {
     assert_eq!(fault(|p| p.textures[0].height = 0), Error::Texture(0));
     assert_eq!(fault(|p| p.lights[0].triangle = 1), Error::Light(0));
     assert_eq!(fault(|p| p.lights[0].cumulative = 0.5), Error::Light(0));
+    assert_eq!(fault(|p| p.lights[0].lamp.edges[1][2] = 0.5), Error::Light(0));
+    assert_eq!(fault(|p| p.lights[0].lamp.emission[0] = 2.0), Error::Light(0));
+    assert_eq!(fault(|p| p.lights[0].lamp.inverse_area = 1.0), Error::Light(0));
 }
 
 #[test]

@@ -5,7 +5,7 @@ use super::bytes::{Bytes, Cycle};
 use super::view::{Random, probe};
 use pmcip_core::tracer::scene::light;
 use pmcip_core::tracer::scene::{
-    Leaf8, Light, Material, Motion, NO_TEXTURE, Node8, Scene, SceneData, Surface, Texture, Triangle,
+    Lamp, Leaf8, Light, Material, Motion, NO_TEXTURE, Node8, Scene, SceneData, Surface, Texture, Triangle,
 };
 
 /// Nodes are fewer than this: more than levels are allowed.
@@ -48,8 +48,10 @@ pub fn check(data: &[u8]) {
     let used = light::build(&triangles, &surfaces, &materials, &mut lights);
     lights.truncate(used);
     if let (true, Some(light)) = (kind & 4 == 4, lights.first_mut()) {
-        *light =
-            Light { triangle: u32::from(bytes.byte()), cumulative: bytes.float(tame), path: bytes.word() };
+        let (triangle, cumulative) = (u32::from(bytes.byte()), bytes.float(tame));
+        let there = triangles.get(triangle as usize).copied().unwrap_or_default();
+        let lamp = Lamp::new(&there, &materials[1]);
+        *light = Light { lamp, triangle, cumulative, path: bytes.word() };
     }
     let data = SceneData {
         nodes: &after,

@@ -2,9 +2,10 @@
 
 use super::data::{Error, SceneData};
 use super::hierarchy::{MAX_DEPTH, STACK};
+use super::light::Lamp;
 use super::light_tree::{LIGHT_LEAF, LightNode8, MAX_LIGHT_DEPTH, slot};
 use super::motion::normals;
-use super::surface::{NO_TEXTURE, Triangle};
+use super::surface::{NO_TEXTURE, Surface, Triangle};
 use crate::maths::vec3;
 
 /// The first thing found wrong.
@@ -110,11 +111,15 @@ fn leaf_triangles<'a>(
     if count > 8 { None } else { triangles.get(start..start.checked_add(count)?) }
 }
 
-/// Whether every light has a triangle, and the probabilities rise to one.
+/// Whether every light is the lamp that its triangle is, and the probabilities rise to one.
 fn check_lights(data: &SceneData) -> Result<(), Error> {
     let mut before = 0.0;
     for (i, light) in data.lights.iter().enumerate() {
-        let there = (light.triangle as usize) < data.triangles.len();
+        let triangle = light.triangle as usize;
+        let is_lamp = |(triangle, surface): (&Triangle, &Surface)| {
+            light.lamp == Lamp::new(triangle, &data.materials[surface.material as usize])
+        };
+        let there = data.triangles.get(triangle).zip(data.surfaces.get(triangle)).is_some_and(is_lamp);
         if !(there && light.cumulative >= before && light.cumulative <= 1.0) {
             return Err(Error::Light(i));
         }

@@ -80,7 +80,8 @@ pub enum Error {
     NormalMap(usize),
     /// The texture of this index is empty or reaches beyond the texels.
     Texture(usize),
-    /// The light of this index names no triangle, or the probabilities do not rise to one.
+    /// The light of this index names no triangle or is not the lamp that its triangle is, or the probabilities do not rise
+    /// to one.
     Light(usize),
     /// The light of this index is not where its path through the light tree leads, its group does not hold it, or
     /// its triangle is not above that of the light before.
@@ -122,7 +123,9 @@ impl core::fmt::Display for Error {
                 "the motion must have finite triangles, leaves and normals, one for each of the scene's"
             ),
             Error::Sky => write!(f, "the sky has a table or a number that is out of range"),
-            Error::Light(i) => write!(f, "light {i} has no triangle or its probability does not rise to one"),
+            Error::Light(i) => {
+                write!(f, "light {i} is not what its triangle is, or its probability does not rise to one")
+            }
         }
     }
 }

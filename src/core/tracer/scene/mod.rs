@@ -16,7 +16,7 @@ mod surface;
 pub use data::{Error, SceneData};
 pub(crate) use hierarchy::STACK;
 pub use hierarchy::{Leaf8, MAX_DEPTH, Node8};
-pub use light::Light;
+pub use light::{Lamp, Light};
 pub use light_tree::{LIGHT_LEAF, LightNode8, MAX_LIGHT_DEPTH};
 pub use motion::Motion;
 pub(crate) use motion::between;

@@ -1,7 +1,7 @@
 //! Records of eight lanes, fetched as rows and transposed: one load a row instead of one a number.
 
 use crate::maths::vec3::Vec3x8;
-use crate::tracer::scene::{Material, Motion, SceneData, Triangle, between};
+use crate::tracer::scene::{Lamp, Material, Motion, SceneData, Triangle, between};
 use wide::{f32x8, u32x8};
 
 /// The corners of eight triangles, each at its time.
@@ -107,6 +107,60 @@ pub(super) fn materials(data: &SceneData<'_>, material: [u32; 8]) -> Materials {
         opacity,
         opacity_texture: bytemuck::cast(mask),
         emission_texture: bytemuck::cast(glow),
+    }
+}
+
+/// Eight lamps.
+pub(super) struct Lamps {
+    pub corner: Vec3x8,
+    pub edges: [Vec3x8; 2],
+    pub normal: Vec3x8,
+    pub emission: Vec3x8,
+    pub inverse_area: f32x8,
+}
+
+impl Lamps {
+    /// The corners of the triangles.
+    #[inline(always)]
+    pub fn corners(&self) -> [Vec3x8; 3] {
+        [self.corner, self.corner + self.edges[0], self.corner + self.edges[1]]
+    }
+}
+
+/// Fetches lamps by the numbers of their lights, each as it is at its time.
+#[inline(always)]
+pub(super) fn lamps(data: &SceneData<'_>, light: [u32; 8], time: f32x8) -> Lamps {
+    let row = |i: u32| bytemuck::cast_ref::<Lamp, [f32; 16]>(&data.lights[i as usize].lamp);
+    let [ax, ay, az, ux, uy, uz, vx, vy] = first(light.map(row));
+    let [vz, nx, ny, nz, er, eg, eb, inverse_area] = last(light.map(row));
+    let lamps = Lamps {
+        corner: Vec3x8::new(ax, ay, az),
+        edges: [Vec3x8::new(ux, uy, uz), Vec3x8::new(vx, vy, vz)],
+        normal: Vec3x8::new(nx, ny, nz),
+        emission: Vec3x8::new(er, eg, eb),
+        inverse_area,
+    };
+    match &data.motion {
+        None => lamps,
+        Some(motion) => moving_lamps(data, motion, light, time),
+    }
+}
+
+/// Kept out of the loops that call it, as [`moving_corners`].
+#[inline(never)]
+fn moving_lamps(data: &SceneData<'_>, motion: &Motion<'_>, light: [u32; 8], time: f32x8) -> Lamps {
+    let light = light.map(|i| &data.lights[i as usize]);
+    let [a, b, c] = moving_corners(data, motion, light.map(|light| light.triangle), time);
+    let edges = [b - a, c - a];
+    let across = edges[0].cross(edges[1]);
+    let inverse = f32x8::ONE / across.length();
+    let emission = [0, 1, 2].map(|i| f32x8::from(light.map(|light| light.lamp.emission[i])));
+    Lamps {
+        corner: a,
+        edges,
+        normal: across * inverse,
+        emission: Vec3x8::new(emission[0], emission[1], emission[2]),
+        inverse_area: f32x8::splat(2.0) * inverse,
     }
 }
 

@@ -60,26 +60,22 @@ impl<'a> Lights<'a> {
     pub fn sample(&self, u: f32x8, v: f32x8) -> LightPoints {
         let data = self.scene.data();
         let picked = self.tree.as_ref().map_or_else(|| by_power(data, u), |tree| tree.pick(u));
-        let triangle = picked.light.map(|i| data.lights[i as usize].triangle);
-        let [a, b, c] = fetch::corners(data, triangle, self.time);
+        let lamp = fetch::lamps(data, picked.light, self.time);
         let root = picked.again.sqrt();
-        let position = a + (b - a) * (root * (f32x8::ONE - v)) + (c - a) * (root * v);
-        let material = triangle.map(|i| data.surfaces[i as usize].material);
-        let typical = fetch::materials(data, material).emission;
-        let mut radiance = typical;
+        let weights = [f32x8::ONE - root, root * (f32x8::ONE - v), root * v];
+        let position = lamp.corner + lamp.edges[0] * weights[1] + lamp.edges[1] * weights[2];
+        let mut radiance = lamp.emission;
         if self.scene.has_textured_light() || self.scene.is_cut_out() {
-            let weights = [f32x8::ONE - root, root * (f32x8::ONE - v), root * v];
+            let triangle = picked.light.map(|i| data.lights[i as usize].triangle);
             radiance = hit::visible_emission(self.scene, triangle, weights);
         }
-        let across = (b - a).cross(c - a);
-        let inverse = f32x8::ONE / across.length();
-        let exact_density = picked.probability * f32x8::splat(2.0) * inverse;
+        let exact_density = picked.probability * lamp.inverse_area;
         let density = match self.tree {
             Some(_) => exact_density,
-            None => luminance8(typical.into()) * f32x8::splat(self.scene.inverse_power()),
+            None => luminance8(lamp.emission.into()) * f32x8::splat(self.scene.inverse_power()),
         };
-        let clearance = hit::largest([a, b, c]) * f32x8::splat(hit::CLEARANCE);
-        LightPoints { position, normal: across * inverse, radiance, density, exact_density, clearance }
+        let clearance = hit::largest(lamp.corners()) * f32x8::splat(hit::CLEARANCE);
+        LightPoints { position, normal: lamp.normal, radiance, density, exact_density, clearance }
     }
 }
 
