@@ -4,7 +4,7 @@ use super::ray::{Hits8, Prepared, Rays8, Slopes};
 use super::{single, triangle};
 use crate::maths::vec3::Vec3x8;
 use crate::tracer::scene::{Node8, STACK, Scene, between};
-use wide::f32x8;
+use wide::{f32x4, f32x8};
 
 /// A subtree that waits: a node or, where `count` is not 0, a leaf's triangles; and when each ray enters its box.
 #[derive(Clone, Copy, Debug)]
@@ -273,8 +273,9 @@ fn insert(stack: &mut [Entry; STACK], bottom: usize, top: usize, entry: Entry) {
 #[inline(always)]
 fn least(near: f32x8) -> f32 {
     let lesser = |a: f32, b: f32| if a < b { a } else { b };
-    let [a, b, c, d, e, f, g, h] = near.to_array();
-    lesser(lesser(lesser(a, b), lesser(c, d)), lesser(lesser(e, f), lesser(g, h)))
+    let [low, high]: [f32x4; 2] = bytemuck::cast(near);
+    let [a, b, c, d] = low.fast_min(high).to_array();
+    lesser(lesser(a, b), lesser(c, d))
 }
 
 /// How the packet enters a child's box.
