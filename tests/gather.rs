@@ -318,7 +318,7 @@ fn too_little_memory_shoots_what_fits() {
     let owned = room([0.5; 3], [[3.0; 3], [1.0; 3]]);
     let shots = Shots { map: Map::Global, paths: 1000, seed: 0, frame: 0 };
     let mut out = vec![Photon::default(); 1000];
-    let mut memory = [Packet::default(); 4];
+    let mut memory = [Packet::default(); 1];
     assert_eq!(Shooter::new(owned.scene(), 3, &mut memory).shoot(&shots, 0, 1000, &mut out), 0);
     let mut memory = vec![Packet::default(); Shooter::required(80)];
     let mut shooter = Shooter::new(owned.scene(), 3, &mut memory);

@@ -13,7 +13,7 @@ use super::cutout;
 use super::emitters::{Emitters, add_sky};
 use super::hit::SurfacePoints;
 use super::light;
-use super::queue::{Paths, Queue, SLACK};
+use super::queue::{Paths, Queue};
 use super::rough::Rough;
 use super::shadow::{ShadowRays, Shadows};
 use super::vertex::{Frame, SETS, SHADOW_REACH, emitted, reject_nan, scatter, scatter_specular, survivors};
@@ -55,7 +55,7 @@ impl<'a> PathTracer<'a> {
     /// Packets of memory needed to work on `samples` samples at once. More samples keep the lanes fuller; above
     /// about two thousand the gain ends and the caches overflow.
     pub const fn required(samples: usize) -> usize {
-        samples.div_ceil(8) + SLACK
+        Queue::required(samples)
     }
 
     /// A path tracer for `scene` seen through `camera`, with paths of up to `max_depth` segments.
@@ -72,7 +72,7 @@ impl<'a> PathTracer<'a> {
             tracer: Tracer::new(scene),
             camera: None,
             max_depth,
-            queue: Queue::new(memory),
+            queue: Queue::new(memory, &scene),
             shadows: Shadows::default(),
             traffic: Traffic::default(),
         }
@@ -159,12 +159,10 @@ impl<'a> PathTracer<'a> {
     #[inline(always)]
     pub(super) fn queue_shadows(&mut self, shadow: &ShadowRays, rough: f32x8, radiance: &mut [Rgb8]) {
         // What is not a number is wanted, too: it arrives, and the film counts it.
-        let mut wanted = (rough & !shadow.value.max_component().simd_le(f32x8::ZERO)).to_bitmask();
-        while wanted != 0 {
-            wanted = self.shadows.fill(shadow, wanted);
-            if self.shadows.lanes() == 8 {
-                self.trace_shadows(radiance);
-            }
+        let wanted = (rough & !shadow.value.max_component().simd_le(f32x8::ZERO)).to_bitmask();
+        self.shadows.fill(shadow, wanted);
+        if self.shadows.lanes() == 8 {
+            self.trace_shadows(radiance);
         }
     }
 
@@ -176,8 +174,8 @@ impl<'a> PathTracer<'a> {
             true => self.shadows.dim(cutout::transmitted(&mut self.tracer, &rays)),
             false => !self.tracer.occluded(&rays),
         };
-        let free = self.shadows.take() & free;
         self.shadows.deliver(free, radiance);
+        self.shadows.pass();
     }
 }
 

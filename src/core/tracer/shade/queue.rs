@@ -1,25 +1,30 @@
 //! Paths under way, packed into full packets whatever lane they come from.
 //!
-//! A path that survives a bounce is copied into the open packet of its direction's octant; a packet that is full
-//! joins the queue. So lanes stay full while paths end, and the rays of a packet keep a common order of slabs.
+//! Paths that survive a bounce are sorted by where they are and whither they go. So lanes stay full while paths end, and
+//! the rays of a packet meet the same boxes, most of them in a common order of slabs.
 
 use super::cutout::Chance;
 use crate::maths::vec3::Vec3x8;
-use crate::tracer::scene::Scene;
+use crate::tracer::scene::{Node8, Scene};
 use crate::tracer::trace::Rays8;
+use bytemuck::{Pod, Zeroable};
 use wide::{f32x8, u32x8};
 
 /// What is known of eight paths. Opaque: the memory a [`PathTracer`](super::path::PathTracer) is lent.
 ///
-/// Stored as rows so that moving a lane is one loop; integers are stored by their bits.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[repr(align(32))]
+/// A path is a cache line, so that moving it to another packet is two loads and two stores. Integers are stored by their
+/// bits. The last number of the first path is that of the lanes in use; while paths are sorted, that of each is its kind.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C, align(64))]
 pub struct Packet {
-    rows: [[f32; 8]; ROWS],
-    lanes: u32,
+    paths: [Path; 8],
 }
 
-const ROWS: usize = 15;
+/// What is known of a path.
+type Path = [f32; 16];
+
+/// Index of its last number.
+const LAST: usize = 15;
 
 /// Eight paths, unpacked.
 #[derive(Clone, Copy)]
@@ -47,36 +52,43 @@ impl Packet {
     pub(super) fn pack(p: &Paths) -> Self {
         let bits = |v: u32x8| bytemuck::cast::<_, f32x8>(v);
         let (o, d, t) = (p.origin, p.direction, p.throughput);
-        let [index, key, slot, normal] = [p.index, p.key, p.slot, p.normal].map(bits);
-        let rows =
-            [o.x, o.y, o.z, d.x, d.y, d.z, t.x, t.y, t.z, p.density, p.compression, index, key, slot, normal];
-        Packet { rows: rows.map(f32x8::to_array), lanes: p.lanes }
+        let [index, key, slot, normal, lanes] =
+            [p.index, p.key, p.slot, p.normal, u32x8::splat(p.lanes)].map(bits);
+        let first = f32x8::transpose([o.x, o.y, o.z, d.x, d.y, d.z, t.x, t.y]);
+        let last = f32x8::transpose([t.z, p.density, p.compression, index, key, slot, normal, lanes]);
+        let path = |i: usize| bytemuck::cast([first[i], last[i]]);
+        Packet { paths: core::array::from_fn(path) }
     }
 
     #[inline(always)]
     pub(super) fn unpack(&self) -> Paths {
-        let row = |i: usize| f32x8::from(self.rows[i]);
-        let vector = |i: usize| Vec3x8::new(row(i), row(i + 1), row(i + 2));
-        let integer = |i: usize| bytemuck::cast::<_, u32x8>(row(i));
+        let integer = |v: f32x8| bytemuck::cast::<_, u32x8>(v);
+        let half =
+            |i: usize| f32x8::transpose(self.paths.each_ref().map(|path| f32x8::from(&path[8 * i..][..8])));
+        let [ox, oy, oz, dx, dy, dz, tx, ty] = half(0);
+        let [tz, density, compression, index, key, slot, normal, _] = half(1);
         Paths {
-            origin: vector(0),
-            direction: vector(3),
-            throughput: vector(6),
-            density: row(9),
-            compression: row(10),
-            index: integer(11),
-            key: integer(12),
-            slot: integer(13),
-            normal: integer(14),
-            lanes: self.lanes,
+            origin: Vec3x8::new(ox, oy, oz),
+            direction: Vec3x8::new(dx, dy, dz),
+            throughput: Vec3x8::new(tx, ty, tz),
+            density,
+            compression,
+            index: integer(index),
+            key: integer(key),
+            slot: integer(slot),
+            normal: integer(normal),
+            lanes: self.lanes(),
         }
     }
 
     #[inline(always)]
-    fn take_lane(&mut self, to: usize, from: &Packet, lane: usize) {
-        for (row, source) in self.rows.iter_mut().zip(&from.rows) {
-            row[to] = source[lane];
-        }
+    fn lanes(&self) -> u32 {
+        self.paths[0][LAST].to_bits()
+    }
+
+    #[inline(always)]
+    fn set_lanes(&mut self, lanes: u32) {
+        self.paths[0][LAST] = f32::from_bits(lanes);
     }
 }
 
@@ -110,23 +122,11 @@ pub(super) fn lane_mask(bits: u32) -> f32x8 {
     bytemuck::cast((u32x8::splat(bits) & lanes).simd_eq(lanes))
 }
 
-/// Packets of one bounce, read from the front while those of the next are written behind.
-///
-/// Reading and writing share the memory: what is written never overtakes what was read, but for the up to eight
-/// open packets that close a bounce.
-pub(super) struct Queue<'a> {
-    packets: &'a mut [Packet],
-    /// Packets of the current bounce.
-    len: usize,
-    /// Full packets of the next.
-    written: usize,
-    open: Open,
-}
-
-/// Packets that are being filled, one for each octant of directions.
+/// Packets that are being filled, one for each octant of directions, and how many lanes of each are.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Open {
     packets: [Packet; 8],
+    lanes: [u32; 8],
 }
 
 impl Open {
@@ -138,36 +138,63 @@ impl Open {
         while alive != 0 {
             let lane = alive.trailing_zeros() as usize & 7;
             alive &= alive - 1;
-            let open = &mut self.packets[octant[lane] as usize & 7];
-            open.take_lane(open.lanes as usize & 7, &from, lane);
-            open.lanes += 1;
-            if open.lanes == 8 {
+            let octant = octant[lane] as usize & 7;
+            let (open, to) = (&mut self.packets[octant], self.lanes[octant] as usize & 7);
+            open.paths[to] = from.paths[lane];
+            self.lanes[octant] = (to as u32 + 1) & 7;
+            if to == 7 {
+                open.set_lanes(8);
                 full(open);
-                open.lanes = 0;
             }
         }
     }
 
     /// Hands what is left to `part`, packet by packet.
     pub fn drain(&mut self, mut part: impl FnMut(&Packet)) {
-        for open in self.packets.iter_mut().filter(|open| open.lanes > 0) {
+        for (open, lanes) in self.packets.iter_mut().zip(&mut self.lanes).filter(|(_, lanes)| **lanes > 0) {
+            open.set_lanes(core::mem::take(lanes));
             part(open);
-            open.lanes = 0;
         }
     }
 }
 
-/// Packets the queue needs beyond those that start: the open ones.
-pub(super) const SLACK: usize = 8;
+/// Paths of one bounce, packet by packet, and those of the next, as they come. When the bounce is over these are sorted by
+/// their [kinds](kinds): neighbours then meet the same parts of the scene, from the same sides.
+///
+/// Each has half of the memory: as many may come as there are, since none is pushed twice in a bounce.
+pub(super) struct Queue<'a> {
+    current: &'a mut [Packet],
+    next: &'a mut [Packet],
+    /// Packets of the current bounce.
+    len: usize,
+    /// Paths of the next, ...
+    written: usize,
+    /// ... and how many there are of each kind.
+    counts: [u32; KINDS],
+    /// Of the scene.
+    centre: Vec3x8,
+}
+
+/// How many kinds of paths there are.
+const KINDS: usize = 64;
 
 impl<'a> Queue<'a> {
-    pub fn new(packets: &'a mut [Packet]) -> Self {
-        Queue { packets, len: 0, written: 0, open: Open::default() }
+    /// Packets of memory needed for `paths` paths at once.
+    pub const fn required(paths: usize) -> usize {
+        2 * paths.div_ceil(8)
+    }
+
+    pub fn new(packets: &'a mut [Packet], scene: &Scene<'_>) -> Self {
+        let half = packets.len() / 2;
+        let (current, next) = packets.split_at_mut(half);
+        let (lower, upper) = scene.data().nodes.first().map_or_else(Default::default, Node8::hull);
+        let centre = Vec3x8::splat([0, 1, 2].map(|axis| 0.5 * (lower[axis] + upper[axis])));
+        Queue { current, next, len: 0, written: 0, counts: [0; KINDS], centre }
     }
 
     /// How many packets may start.
     pub fn capacity(&self) -> usize {
-        self.packets.len().saturating_sub(SLACK)
+        self.next.len().min(self.current.len())
     }
 
     pub fn len(&self) -> usize {
@@ -175,44 +202,76 @@ impl<'a> Queue<'a> {
     }
 
     pub fn packet(&self, i: usize) -> Paths {
-        self.packets[i].unpack()
+        self.current[i].unpack()
     }
 
     /// Adds a packet to the current bounce, as it is.
     pub fn start(&mut self, paths: &Paths) {
-        self.packets[self.len] = Packet::pack(paths);
+        self.current[self.len] = Packet::pack(paths);
         self.len += 1;
     }
 
     /// Adds the lanes of `paths` whose bit is set in `alive` to the next bounce.
     #[inline]
-    pub fn push(&mut self, paths: &Paths, alive: u32) {
-        let Queue { packets, written, open, .. } = self;
-        open.push(paths, alive, |packet| {
-            packets[*written] = *packet;
-            *written += 1;
-        });
+    pub fn push(&mut self, paths: &Paths, mut alive: u32) {
+        let from = Packet::pack(paths);
+        let kinds = kinds(paths, self.centre);
+        let next: &mut [Path] = bytemuck::cast_slice_mut(self.next);
+        while alive != 0 {
+            let lane = alive.trailing_zeros() as usize & 7;
+            alive &= alive - 1;
+            next[self.written] = from.paths[lane];
+            next[self.written][LAST] = f32::from_bits(kinds[lane]);
+            self.counts[kinds[lane] as usize % KINDS] += 1;
+            self.written += 1;
+        }
     }
 
     /// Closes the bounce: what was pushed becomes current.
     pub fn turn(&mut self) {
-        let Queue { packets, written, open, .. } = self;
-        open.drain(|packet| {
-            packets[*written] = *packet;
-            *written += 1;
-        });
-        self.len = core::mem::take(written);
+        let mut places = self.counts_before();
+        let next: &[Path] = bytemuck::cast_slice(self.next);
+        let current: &mut [Path] = bytemuck::cast_slice_mut(self.current);
+        for path in &next[..self.written] {
+            let place = &mut places[path[LAST].to_bits() as usize % KINDS];
+            current[*place as usize] = *path;
+            *place += 1;
+        }
+        self.len = self.written.div_ceil(8);
+        for (i, packet) in self.current[..self.len].iter_mut().enumerate() {
+            packet.set_lanes((self.written - 8 * i).min(8) as u32);
+        }
+        self.forget_next();
+    }
+
+    /// How many paths are of kinds before each.
+    fn counts_before(&self) -> [u32; KINDS] {
+        let (mut all, mut before) = (0, [0; KINDS]);
+        for (before, count) in before.iter_mut().zip(self.counts) {
+            (*before, all) = (all, all + count);
+        }
+        before
+    }
+
+    fn forget_next(&mut self) {
+        (self.written, self.counts) = (0, [0; KINDS]);
     }
 
     /// Forgets everything.
     pub fn clear(&mut self) {
         self.len = 0;
-        self.written = 0;
-        self.open.drain(|_| ());
+        self.forget_next();
     }
 }
 
-/// The octant of each direction, 0 to 7.
+/// Kinds of paths, below [`KINDS`]: the octant of the direction, then that of the origin seen from the scene's centre.
+#[inline(always)]
+fn kinds(paths: &Paths, centre: Vec3x8) -> [u32; 8] {
+    let (direction, origin) = (octants(paths.direction), octants(paths.origin - centre));
+    [0, 1, 2, 3, 4, 5, 6, 7].map(|lane| 8 * direction[lane] + origin[lane])
+}
+
+/// The octant of each vector, 0 to 7.
 #[inline(always)]
 fn octants(d: Vec3x8) -> [u32; 8] {
     let negative =

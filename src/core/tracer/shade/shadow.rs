@@ -31,51 +31,59 @@ impl ShadowRays {
     }
 }
 
-const ROWS: usize = 11;
+const ROWS: usize = 12;
 
-/// The open packet of shadow rays.
+/// Shadow rays that wait: a packet, and up to seven that are the beginning of the next.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Shadows {
-    rows: [[f32; 8]; ROWS],
-    slot: [u32; 8],
-    lanes: u32,
+    /// Eight numbers of the rays, three of what they carry, the bits of their samples' numbers.
+    rows: [[f32; 16]; ROWS],
+    waiting: u32,
 }
 
 impl Shadows {
-    /// Rays waiting.
+    /// Rays of the packet, of which there are eight at most.
     pub fn lanes(&self) -> u32 {
-        self.lanes
+        self.waiting.min(8)
     }
 
-    /// Takes in the lanes of `rays` whose bit is set in `wanted` while there is room; returns those left over.
-    #[inline]
-    pub fn fill(&mut self, rays: &ShadowRays, mut wanted: u32) -> u32 {
+    /// Takes in the lanes of `rays` whose bit is set in `wanted`. There must not be a full packet.
+    #[inline(always)]
+    pub fn fill(&mut self, rays: &ShadowRays, wanted: u32) {
         let (o, d, v) = (rays.origin, rays.direction, rays.value);
-        let from = [o.x, o.y, o.z, d.x, d.y, d.z, rays.t_max, rays.time, v.x, v.y, v.z].map(f32x8::to_array);
-        let slot = rays.slot.to_array();
-        while wanted != 0 && self.lanes < 8 {
-            let lane = wanted.trailing_zeros() as usize & 7;
-            wanted &= wanted - 1;
-            let to = self.lanes as usize & 7;
-            for (row, source) in self.rows.iter_mut().zip(&from) {
-                row[to] = source[lane];
-            }
-            self.slot[to] = slot[lane];
-            self.lanes += 1;
+        let slot = bytemuck::cast(rays.slot);
+        let from = [o.x, o.y, o.z, d.x, d.y, d.z, rays.t_max, rays.time, v.x, v.y, v.z, slot];
+        let order = u32x8::from(FRONT[wanted as usize & 255].map(u32::from));
+        let at = self.waiting as usize & 7;
+        for (row, from) in self.rows.iter_mut().zip(from) {
+            row[at..at + 8].copy_from_slice(from.shuffle_wrapping(order).as_array());
         }
-        wanted
+        self.waiting += wanted.count_ones();
     }
 
-    /// Empties the packet; returns the lanes that were in use, as bits.
-    pub fn take(&mut self) -> u32 {
-        (1 << core::mem::take(&mut self.lanes)) - 1
+    /// Removes the packet.
+    pub fn pass(&mut self) {
+        for row in &mut self.rows {
+            row.copy_within(8.., 0);
+        }
+        self.waiting -= self.lanes();
+    }
+
+    /// The lanes of the packet, as bits.
+    pub fn used(&self) -> u32 {
+        (1 << self.lanes()) - 1
+    }
+
+    #[inline(always)]
+    fn row(&self, i: usize) -> f32x8 {
+        f32x8::from(&self.rows[i][..8])
     }
 
     /// The packet as rays.
     #[inline(always)]
     pub fn rays(&self) -> Rays8 {
-        let row = |i: usize| f32x8::from(self.rows[i]);
-        let used = super::queue::lane_mask((1 << self.lanes) - 1);
+        let row = |i: usize| self.row(i);
+        let used = super::queue::lane_mask(self.used());
         Rays8 {
             origin: Vec3x8::new(row(0), row(1), row(2)),
             direction: Vec3x8::new(row(3), row(4), row(5)),
@@ -86,8 +94,9 @@ impl Shadows {
 
     /// Dims what the rays carry to a part of it; returns the lanes in which anything is left, as bits.
     pub fn dim(&mut self, part: f32x8) -> u32 {
-        for row in &mut self.rows[8..] {
-            *row = (f32x8::from(*row) * part).to_array();
+        for row in 8..11 {
+            let dimmed = self.row(row) * part;
+            self.rows[row][..8].copy_from_slice(dimmed.as_array());
         }
         part.simd_gt(f32x8::ZERO).to_bitmask()
     }
@@ -95,10 +104,27 @@ impl Shadows {
     /// Adds the values of the lanes in `free` to their samples.
     #[inline(always)]
     pub fn deliver(&self, free: u32, radiance: &mut [Rgb8]) {
-        let row = |i: usize| f32x8::from(self.rows[i]);
-        accumulate(radiance, self.slot.into(), Vec3x8::new(row(8), row(9), row(10)), free);
+        let value = Vec3x8::new(self.row(8), self.row(9), self.row(10));
+        accumulate(radiance, bytemuck::cast(self.row(11)), value, free & self.used());
     }
 }
+
+/// For each set of lanes, as bits, these in turn, to be moved to the front.
+const FRONT: [[u8; 8]; 256] = {
+    let (mut all, mut set) = ([[0; 8]; 256], 0);
+    while set < 256 {
+        let (mut lane, mut at) = (0, 0);
+        while lane < 8 {
+            if set >> lane & 1 == 1 {
+                all[set][at] = lane as u8;
+                at += 1;
+            }
+            lane += 1;
+        }
+        set += 1;
+    }
+    all
+};
 
 /// Adds `value` to the samples `slot`, in the lanes whose bit is set.
 #[inline(always)]

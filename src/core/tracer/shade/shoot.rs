@@ -15,7 +15,7 @@
 
 use super::cutout;
 use super::hit::SurfacePoints;
-use super::queue::{Packet, Paths, Queue, SLACK};
+use super::queue::{Packet, Paths, Queue};
 use super::rough::Rough;
 use super::source::{Bounds, Source};
 use super::vertex::{Frame, SETS, scatter_specular};
@@ -61,7 +61,7 @@ pub struct Shooter<'a> {
 impl<'a> Shooter<'a> {
     /// Packets of memory needed to follow `paths` paths at once.
     pub const fn required(paths: usize) -> usize {
-        paths.div_ceil(8) + SLACK
+        Queue::required(paths)
     }
 
     /// Photons that `paths` paths can leave in `map` at most.
@@ -78,7 +78,7 @@ impl<'a> Shooter<'a> {
             all: Bounds::of(&scene, |_| true),
             specular: Bounds::of(&scene, |scattering| scattering != Scattering::Rough),
             tracer: Tracer::new(scene),
-            queue: Queue::new(memory),
+            queue: Queue::new(memory, &scene),
             max_depth,
         }
     }

@@ -37,23 +37,22 @@ fn each_value_reaches_its_sample_once() {
     let mut trace = |shadows: &mut Shadows| {
         let lanes = shadows.lanes();
         assert_eq!(shadows.rays().active(), (1 << lanes) - 1);
-        let used = shadows.take();
-        assert_eq!((used, shadows.lanes()), ((1 << lanes) - 1, 0));
-        shadows.deliver(used, &mut radiance);
+        // What has no ray delivers nothing.
+        shadows.deliver(u32::MAX, &mut radiance);
+        shadows.pass();
         packets += 1;
     };
     for first in (0..RAYS).step_by(8) {
-        let mut left = (0..8).filter(|bit| wanted(first + bit)).fold(0, |bits, bit| bits | 1 << bit);
-        while left != 0 {
-            left = shadows.fill(&rays(first, slot), left);
-            if shadows.lanes() == 8 {
-                trace(&mut shadows);
-            }
+        let lanes = (0..8).filter(|bit| wanted(first + bit)).fold(0, |bits, bit| bits | 1 << bit);
+        shadows.fill(&rays(first, slot), lanes);
+        if shadows.lanes() == 8 {
+            trace(&mut shadows);
         }
     }
     if shadows.lanes() > 0 {
         trace(&mut shadows);
     }
+    assert_eq!(shadows.lanes(), 0);
     for n in 0..RAYS {
         let due = if wanted(n) { value(n) } else { [0.0; 3] };
         assert_eq!(sums(&radiance, slot(n)), due, "ray {n}");
@@ -61,24 +60,29 @@ fn each_value_reaches_its_sample_once() {
     assert_eq!(packets, (0..RAYS).filter(|n| wanted(*n)).count().div_ceil(8));
 }
 
+/// Five rays, then six: a packet of eight, and the last three of the six wait.
 #[test]
-fn what_does_not_fit_is_handed_back() {
+fn what_does_not_fit_waits() {
     let mut shadows = Shadows::default();
-    assert_eq!(shadows.fill(&rays(0, |n| n), 0b0111_1010), 0);
+    shadows.fill(&rays(0, |n| n), 0b0111_1010);
     assert_eq!(shadows.lanes(), 5);
-    assert_eq!(shadows.fill(&rays(8, |n| n), 0b1110_1101), 0b1110_0000, "room for three");
-    assert_eq!(shadows.fill(&rays(16, |n| n), 0b0000_0011), 0b0000_0011, "no room");
-    let packed = shadows.rays();
-    let numbers = [1, 3, 4, 5, 6, 8, 10, 11].map(|n: u32| n as f32);
-    for (lane, number) in numbers.into_iter().enumerate() {
-        let all = [packed.origin.x, packed.origin.y, packed.origin.z, packed.direction.x];
-        let found = all.map(|row| row.to_array()[lane]);
-        assert_eq!(found, [100.0, 100.25, 100.5, 200.0].map(|offset| number + offset), "lane {lane}");
-        assert_eq!(packed.direction.y.to_array()[lane], number + 200.25);
-        assert_eq!(packed.direction.z.to_array()[lane], number + 200.5);
-        assert_eq!(packed.t_max.to_array()[lane], number + 300.0);
-        assert_eq!(packed.time.to_array()[lane], number + 400.0);
+    shadows.fill(&rays(8, |n| n), 0b1110_1101);
+    assert_eq!(shadows.lanes(), 8);
+    for numbers in [&[1, 3, 4, 5, 6, 8, 10, 11][..], &[13, 14, 15]] {
+        let packed = shadows.rays();
+        assert_eq!(shadows.lanes() as usize, numbers.len());
+        for (lane, number) in numbers.iter().map(|n: &u32| *n as f32).enumerate() {
+            let all = [packed.origin.x, packed.origin.y, packed.origin.z, packed.direction.x];
+            let found = all.map(|row| row.to_array()[lane]);
+            assert_eq!(found, [100.0, 100.25, 100.5, 200.0].map(|offset| number + offset), "lane {lane}");
+            assert_eq!(packed.direction.y.to_array()[lane], number + 200.25);
+            assert_eq!(packed.direction.z.to_array()[lane], number + 200.5);
+            assert_eq!(packed.t_max.to_array()[lane], number + 300.0);
+            assert_eq!(packed.time.to_array()[lane], number + 400.0);
+        }
+        shadows.pass();
     }
+    assert_eq!(shadows.lanes(), 0);
 }
 
 /// Rays that are blocked deliver nothing; several for the same sample add up.
@@ -86,7 +90,6 @@ fn what_does_not_fit_is_handed_back() {
 fn only_free_rays_deliver_and_values_add_up() {
     let mut shadows = Shadows::default();
     shadows.fill(&rays(0, |n| n / 4 + 8), 0b1111_1111);
-    shadows.take();
     let mut radiance = [Rgb8::default(); 2];
     shadows.deliver(0b0101_0110, &mut radiance);
     let sum = |a: u32, b: u32| [0, 1, 2].map(|c| value(a)[c] + value(b)[c]);
@@ -98,5 +101,7 @@ fn only_free_rays_deliver_and_values_add_up() {
 #[test]
 fn an_empty_packet_has_no_rays() {
     let mut shadows = Shadows::default();
-    assert_eq!((shadows.rays().active(), shadows.take()), (0, 0));
+    assert_eq!((shadows.rays().active(), shadows.lanes()), (0, 0));
+    shadows.pass();
+    assert_eq!(shadows.lanes(), 0);
 }
