@@ -1,4 +1,6 @@
 //! Files with bytes changed to anything, a short run of what the fuzz targets do for long.
+//!
+//! `PMCIP_MUTANTS=N` makes N times as many mutants, others for every N; `--nocapture` shows how many each test tried.
 
 mod doors;
 mod mutant;
@@ -6,6 +8,7 @@ mod mutant;
 use doors::bytes::Random;
 use doors::films;
 use mutant::{GLTF, MTL, OBJ, Place, TOML, glb};
+use std::env;
 use std::fs;
 use std::panic::catch_unwind;
 use std::path::Path;
@@ -36,41 +39,51 @@ fn mutant(random: &mut Random, file: &[u8]) -> Vec<u8> {
     file
 }
 
+/// How many times as many mutants are tried as in CI.
+fn times() -> usize {
+    env::var("PMCIP_MUTANTS").map_or(1, |times| times.parse().expect("PMCIP_MUTANTS is a whole number"))
+}
+
+/// Mutants of something by their number, other ones the more of them there are, and said how many they were.
+fn try_mutants(name: &str, runs: usize, seed: u64, mut try_one: impl FnMut(usize, &mut Random)) {
+    let (runs, mut random) = (runs * times(), Random(seed + times() as u64 - 1));
+    (0..runs).for_each(|i| try_one(i, &mut random));
+    println!("{name}: {runs} mutants tried");
+}
+
 /// Seeds of a door, inputs that were found once, and so many mutants of seeds.
 fn try_door(name: &str, runs: usize) {
     let door = doors::ALL.iter().find(|door| door.name == name).expect("a door");
-    let (seeds, mut random) = ((door.seeds)(), Random(1));
-    let found = doors::FOUND.iter().filter(|(of, _)| *of == name).map(|(_, input)| input.to_vec());
-    let mut inputs: Vec<Vec<u8>> = seeds.iter().cloned().chain(found).collect();
-    inputs.extend((0..runs).map(|i| {
-        let once = random.mutant(&seeds[i % seeds.len()]);
-        if i % 3 == 0 { random.mutant(&once) } else { once }
-    }));
-    for input in inputs {
-        if catch_unwind(|| (door.check)(&input)).is_err() {
+    let try_input = |input: &[u8]| {
+        if catch_unwind(|| (door.check)(input)).is_err() {
             panic!("door {name}, input {input:02x?}");
         }
-    }
+    };
+    let seeds = (door.seeds)();
+    seeds.iter().for_each(|seed| try_input(seed));
+    doors::FOUND.iter().filter(|(of, _)| *of == name).for_each(|(_, input)| try_input(input));
+    try_mutants(name, runs, 1, |i, random| {
+        let once = random.mutant(&seeds[i % seeds.len()]);
+        try_input(&if i % 3 == 0 { random.mutant(&once) } else { once });
+    });
 }
 
 #[test]
 fn no_file_does_harm() {
-    let (place, mut random) = (Place::new(), Random(1));
+    let place = Place::new();
     place.load(OBJ, MTL, &place.picture);
-    for _ in 0..400 {
-        place.load(&mutant(&mut random, OBJ), MTL, &place.picture);
-        place.load(OBJ, &mutant(&mut random, MTL), &place.picture);
-        place.load(OBJ, MTL, &mutant(&mut random, &place.picture));
-    }
+    try_mutants("obj, mtl, texture", 1200, 1, |i, random| match i % 3 {
+        0 => place.load(&mutant(random, OBJ), MTL, &place.picture),
+        1 => place.load(OBJ, &mutant(random, MTL), &place.picture),
+        _ => place.load(OBJ, MTL, &mutant(random, &place.picture)),
+    });
 }
 
 #[test]
 fn no_scene_file_does_harm() {
-    let (place, mut random) = (Place::new(), Random(4));
+    let place = Place::new();
     place.load_toml(TOML);
-    for _ in 0..400 {
-        place.load_toml(&mutant(&mut random, TOML));
-    }
+    try_mutants("toml", 400, 4, |_, random| place.load_toml(&mutant(random, TOML)));
 }
 
 /// A file that never ends is not read.
@@ -91,14 +104,12 @@ fn what_is_no_file_is_refused() {
 
 #[test]
 fn no_gltf_file_does_harm() {
-    let (place, mut random) = (Place::new(), Random(2));
-    let binary = glb(GLTF);
+    let (place, binary) = (Place::new(), glb(GLTF));
     place.load_gltf(GLTF);
     place.load_gltf(&binary);
-    for _ in 0..200 {
-        place.load_gltf(&mutant(&mut random, GLTF));
-        place.load_gltf(&mutant(&mut random, &binary));
-    }
+    try_mutants("gltf", 400, 2, |i, random| {
+        place.load_gltf(&mutant(random, if i % 2 == 0 { GLTF } else { &binary }));
+    });
 }
 
 /// Every number of a glTF file, changed to one that is hardly meant; all ten have been tried once.
@@ -123,17 +134,16 @@ fn no_number_of_a_gltf_file_does_harm() {
 
 #[test]
 fn no_film_does_harm() {
-    let (films, mut random, mut taken) = (films::sound(), Random(1), 0);
+    let (films, mut taken) = (films::sound(), 0);
     for film in &films {
         assert!(films::probe(film, &films[1], &[]));
     }
-    for round in 0..4000 {
-        let film = &films[round % films.len()];
-        let changes: Vec<(u16, u32)> = (0..1 + random.below(3)).map(|_| change(&mut random)).collect();
-        taken += u32::from(films::probe(film, &films[1], &changes));
-    }
+    try_mutants("words of films", 4000, 1, |i, random| {
+        let changes: Vec<(u16, u32)> = (0..1 + random.below(3)).map(|_| change(random)).collect();
+        taken += usize::from(films::probe(&films[i % films.len()], &films[1], &changes));
+    });
     // Most words are numbers of pixels, which may be anything.
-    assert!(taken > 1000, "{taken}");
+    assert!(taken > 1000 * times(), "{taken}");
 }
 
 #[test]
