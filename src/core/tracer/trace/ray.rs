@@ -87,9 +87,9 @@ impl Prepared {
     }
 }
 
-/// The number of one lane, in all lanes.
+/// The number of one lane, in all lanes. By reference: a copy would go through memory before one of its lanes is read.
 #[inline(always)]
-pub(super) fn one(v: f32x8, lane: usize) -> f32x8 {
+pub(super) fn one(v: &f32x8, lane: usize) -> f32x8 {
     f32x8::splat(v.as_array()[lane & 7])
 }
 
@@ -97,8 +97,8 @@ impl Frames {
     /// The frame of one lane, in all lanes.
     #[inline(always)]
     pub fn lane(&self, lane: usize) -> Self {
-        let vector = |v: Vec3x8| Vec3x8::new(one(v.x, lane), one(v.y, lane), one(v.z, lane));
-        Frames { axes: self.axes.map(vector), origin: self.origin.map(|v| one(v, lane)) }
+        let vector = |v: &Vec3x8| Vec3x8::new(one(&v.x, lane), one(&v.y, lane), one(&v.z, lane));
+        Frames { axes: self.axes.each_ref().map(vector), origin: self.origin.each_ref().map(|v| one(v, lane)) }
     }
 }
 
@@ -106,7 +106,8 @@ impl Slopes {
     /// The slopes of one lane, in all lanes.
     #[inline(always)]
     pub fn lane(&self, lane: usize) -> Self {
-        Slopes { inverse: self.inverse.map(|v| one(v, lane)), offset: self.offset.map(|v| one(v, lane)) }
+        let each = |v: &[f32x8; 3]| v.each_ref().map(|v| one(v, lane));
+        Slopes { inverse: each(&self.inverse), offset: each(&self.offset) }
     }
 
     /// The signs that all taking part share, by axis: `Some(true)` where every direction is negative.

@@ -65,7 +65,7 @@ pub(super) fn find_closest<const MOVING: bool>(
     let mut hit = Hit { t: t_max, u: 0.0, v: 0.0, triangle: MISS };
     let (mut first, mut count) = (0, 0);
     let data = scene.data();
-    let (slopes, time) = (rays.slopes.lane(lane), ray::one(rays.time, lane));
+    let (slopes, time) = (rays.slopes.lane(lane), ray::one(&rays.time, lane));
     let planes = Planes::new(&slopes);
     let mut top = 0;
     loop {
@@ -138,7 +138,7 @@ pub(super) fn find_any<const MOVING: bool>(
     t_max: f32,
 ) -> bool {
     let data = scene.data();
-    let (slopes, time) = (rays.slopes.lane(lane), ray::one(rays.time, lane));
+    let (slopes, time) = (rays.slopes.lane(lane), ray::one(&rays.time, lane));
     let planes = Planes::new(&slopes);
     stack[0].first = node;
     let mut top = 1;
