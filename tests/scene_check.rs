@@ -2,8 +2,8 @@
 
 use pmcip_core::tracer::scene::light;
 use pmcip_core::tracer::scene::{
-    Error, Lamp, Leaf8, Light, LightNode8, MAX_DEPTH, MIN_ROUGHNESS, Material, Motion, NO_TEXTURE, Node8,
-    Scene, SceneData, Surface, Texture, Triangle,
+    Error, Lamp, Light, LightNode8, MAX_DEPTH, MIN_ROUGHNESS, Material, Motion, NO_TEXTURE, Node8, Scene,
+    SceneData, Surface, Texture, Triangle, fill_leaves, leaves_len,
 };
 
 /// A valid scene of one lit triangle, changed by `change` before it is checked.
@@ -34,7 +34,7 @@ fn checked(change: impl FnOnce(&mut Parts)) -> Result<(), Error> {
 
 struct Parts {
     nodes: Vec<Node8>,
-    leaves: Vec<Leaf8>,
+    leaves: Vec<f32>,
     triangles: Vec<Triangle>,
     surfaces: Vec<Surface>,
     colours: Vec<[[f32; 3]; 3]>,
@@ -44,7 +44,7 @@ struct Parts {
     lights: Vec<Light>,
     light_nodes: Vec<LightNode8>,
     closing: Option<Triangle>,
-    closing_leaves: Vec<Leaf8>,
+    closing_leaves: Vec<f32>,
     closing_normals: Vec<[[f32; 3]; 3]>,
 }
 
@@ -54,7 +54,7 @@ impl Parts {
         let material = Material { emission: [1.0; 3], texture: 0, ..Material::default() };
         Parts {
             nodes: vec![node(0, 1)],
-            leaves: vec![Leaf8::new(0, &[triangle])],
+            leaves: leaf_of(&triangle),
             triangles: vec![triangle],
             surfaces: vec![Surface::default()],
             colours: vec![],
@@ -77,12 +77,19 @@ impl Parts {
     /// The triangle moves to `closing` while the shutter is open.
     fn move_to(&mut self, closing: Triangle) {
         self.closing = Some(closing);
-        self.closing_leaves = vec![Leaf8::new(0, &[closing])];
+        self.closing_leaves = leaf_of(&closing);
         self.closing_normals = vec![[[0.0; 3]; 3]];
     }
 }
 
-/// A node with one child: leaf `child` of `count` triangles, or the inner node `child` if that is 0.
+/// The leaf of one triangle.
+fn leaf_of(triangle: &Triangle) -> Vec<f32> {
+    let mut leaves = vec![0.0; leaves_len(1)];
+    fill_leaves(&[node(0, 1)], std::slice::from_ref(triangle), &mut leaves);
+    leaves
+}
+
+/// A node with one child: the leaf of `count` triangles of which the first is number `child`, or the inner node `child` if that is 0.
 fn node(child: u32, count: u32) -> Node8 {
     let mut node = Node8::EMPTY;
     for axis in 0..3 {
@@ -104,8 +111,8 @@ fn what_moves_must_be_held_all_along() {
     };
     assert_eq!(moved(|_| (), there), Ok(()));
     assert_eq!(moved(|_| (), beyond), Err(Error::Bounds(0)));
-    assert_eq!(moved(|p| p.closing_leaves[0] = p.leaves[0], there), Err(Error::Leaf(0)));
-    assert_eq!(moved(|p| p.closing_leaves.clear(), there), Err(Error::Motion));
+    assert_eq!(moved(|p| p.closing_leaves = p.leaves.clone(), there), Err(Error::Leaf(0)));
+    assert_eq!(moved(|p| p.closing_leaves.clear(), there), Err(Error::Leaf(0)));
     assert_eq!(moved(|p| p.closing_normals.clear(), there), Err(Error::Motion));
     assert_eq!(moved(|p| p.closing_normals[0][1][2] = f32::NAN, there), Err(Error::Motion));
 }
@@ -138,7 +145,7 @@ fn every_fault_is_named() {
     assert_eq!(fault(|p| p.surfaces.clear()), Error::SurfaceCount);
     assert_eq!(fault(|p| p.nodes[0] = node(0, 2)), Error::Node(0), "leaf beyond the triangles");
     assert_eq!(fault(|p| p.nodes[0] = node(1, 1)), Error::Node(0), "no such leaf");
-    assert_eq!(fault(|p| p.leaves[0] = Leaf8::new(u32::MAX, &[])), Error::Node(0), "overflowing leaf");
+    assert_eq!(fault(|p| p.nodes[0] = node(u32::MAX, 1)), Error::Node(0), "nor that one");
     let nine = |p: &mut Parts| {
         (p.triangles, p.surfaces) = (vec![p.triangles[0]; 9], vec![p.surfaces[0]; 9]);
         p.nodes[0] = node(0, 9);
@@ -160,11 +167,15 @@ fn every_fault_is_named() {
     assert_eq!(fault(|p| p.nodes[0].count[7] = 1), Error::Node(0), "triangles of nobody");
     let [t, other] =
         [1.0, 2.0].map(|size| Triangle { corners: [[0.0; 3], [size, 0.0, 0.0], [0.0, 1.0, 0.0]] });
-    let leaf = |triangles: &[Triangle]| checked(|p| p.leaves[0] = Leaf8::new(0, triangles));
-    assert_eq!(leaf(&[t]), Ok(()));
-    assert_eq!(leaf(&[t, t]), Err(Error::Leaf(0)), "a triangle that is not there");
-    assert_eq!(leaf(&[other]), Err(Error::Leaf(0)), "another triangle than the scene's");
-    assert_eq!(leaf(&[]), Err(Error::Leaf(0)), "a triangle is missing");
+    let leaf = |leaves: Vec<f32>| checked(|p| p.leaves = leaves);
+    assert_eq!(leaf(leaf_of(&t)), Ok(()));
+    assert_eq!(leaf(leaf_of(&other)), Err(Error::Leaf(0)), "another triangle than the scene's");
+    assert_eq!(leaf(vec![0.0; leaves_len(1)]), Err(Error::Leaf(0)), "a triangle is missing");
+    assert_eq!(
+        leaf(leaf_of(&t)[..leaves_len(1) - 1].to_vec()),
+        Err(Error::Leaf(0)),
+        "a walk would read beyond"
+    );
     assert_eq!(fault(|p| p.surfaces[0].material = 1), Error::Surface(0));
     assert_eq!(fault(|p| p.materials[0].diffuse[1] = 1.5), Error::Material(0));
     assert_eq!(fault(|p| p.materials[0].emission[0] = f32::NAN), Error::Material(0));

@@ -6,7 +6,7 @@ use pmcip_core::sampler::batch::{Batch8, Integrand, Rgb8};
 use pmcip_core::sampler::{Memory, Sampler, Schedule, Settings, Workspace};
 use pmcip_core::tracer::camera::Camera;
 use pmcip_core::tracer::scene::{
-    Leaf8, Light, LightNode8, Material, Motion, Node8, Scene, SceneData, Surface, Triangle,
+    Light, LightNode8, Material, Motion, Node8, Scene, SceneData, Surface, Triangle,
 };
 use pmcip_core::tracer::scene::{light, light_tree};
 use pmcip_core::tracer::shade::path::{Packet, PathTracer, Traffic};
@@ -46,7 +46,7 @@ impl Random {
 /// A scene that owns its arrays.
 pub struct Owned {
     pub nodes: Vec<Node8>,
-    pub leaves: Vec<Leaf8>,
+    pub leaves: Vec<f32>,
     pub triangles: Vec<Triangle>,
     pub surfaces: Vec<Surface>,
     pub materials: Vec<Material>,
@@ -54,7 +54,7 @@ pub struct Owned {
     pub light_nodes: Vec<LightNode8>,
     /// The triangles and the leaves as the shutter closes, and normals; empty where nothing moves.
     pub closing: Vec<Triangle>,
-    pub closing_leaves: Vec<Leaf8>,
+    pub closing_leaves: Vec<f32>,
     pub closing_normals: Vec<[[f32; 3]; 3]>,
 }
 
@@ -90,8 +90,9 @@ impl Owned {
         );
         light_nodes.truncate(used);
         Owned {
+            leaves: bvh::leaves(&built.nodes, &triangles),
+            closing_leaves: bvh::leaves(&built.nodes, &closing),
             nodes: built.nodes,
-            leaves: built.leaves,
             triangles,
             surfaces,
             materials,
@@ -99,7 +100,6 @@ impl Owned {
             light_nodes,
             closing_normals: vec![[[0.0; 3]; 3]; closing.len()],
             closing,
-            closing_leaves: built.moved_leaves,
         }
     }
 

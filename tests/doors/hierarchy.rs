@@ -5,7 +5,8 @@ use super::bytes::{Bytes, Cycle};
 use super::view::{Random, probe};
 use pmcip_core::tracer::scene::light;
 use pmcip_core::tracer::scene::{
-    Lamp, Leaf8, Light, Material, Motion, NO_TEXTURE, Node8, Scene, SceneData, Surface, Texture, Triangle,
+    Lamp, Light, Material, Motion, NO_TEXTURE, Node8, Scene, SceneData, Surface, Texture, Triangle,
+    fill_leaves, leaves_len,
 };
 
 /// Nodes are fewer than this: more than levels are allowed.
@@ -21,16 +22,15 @@ pub fn check(data: &[u8]) {
     let mut list = || (0..triangles).map(|_| triangle(&mut coordinates, tame)).collect::<Vec<Triangle>>();
     let open = list();
     let closing = if kind & 8 == 8 { list() } else { open.clone() };
-    let leaves: Vec<(usize, [Leaf8; 2])> = (0..leaves).map(|_| leaf(&mut bytes, [&open, &closing])).collect();
-    let firsts: Vec<usize> = leaves.iter().map(|(first, _)| *first).collect();
+    let leaves: Vec<Leaf> = (0..leaves).map(|_| leaf(&mut bytes, triangles)).collect();
+    let firsts: Vec<usize> = leaves.iter().map(|leaf| leaf.first).collect();
     let mut after = Vec::new();
     for index in (0..nodes).rev() {
         let node = node(&mut bytes, (index, nodes), &after, &firsts, [&open, &closing]);
         after.push(node);
     }
     after.reverse();
-    let [leaves, closing_leaves] =
-        [0, 1].map(|i| leaves.iter().map(|(_, leaf)| leaf[i]).collect::<Vec<Leaf8>>());
+    let [leaves, closing_leaves] = [&open, &closing].map(|triangles| rows(&after, triangles, &leaves));
     let normals = vec![[[0.0; 3]; 3]; triangles];
     let motion = Motion { triangles: &closing, leaves: &closing_leaves, normals: &normals };
     let triangles = open;
@@ -82,12 +82,28 @@ fn texture_of(bytes: &mut Bytes) -> Texture {
     Texture { width, height, first, clamp: bytes.bit(), scale: [bytes.level(), 1.0], ..Texture::EMPTY }
 }
 
-/// The first triangle of a leaf, and the leaf: of these triangles or of others, as many as there are or not.
-fn leaf(bytes: &mut Bytes, triangles: [&[Triangle]; 2]) -> (usize, [Leaf8; 2]) {
-    let (first, count, other) = (bytes.below(triangles[0].len() + 1), bytes.below(10), bytes.byte());
-    let end = triangles[0].len().min(first + count);
-    let first_said = if other < 240 { first } else { usize::from(other) };
-    (first, triangles.map(|triangles| Leaf8::new(first_said as u32, &triangles[first..end])))
+/// The first triangle of a leaf, and one of its numbers that is another if `other` is above 240.
+struct Leaf {
+    first: usize,
+    number: usize,
+    other: u8,
+}
+
+fn leaf(bytes: &mut Bytes, triangles: usize) -> Leaf {
+    Leaf { first: bytes.below(triangles + 1), number: bytes.below(10), other: bytes.byte() }
+}
+
+/// The leaves' numbers, right as a rule.
+fn rows(nodes: &[Node8], triangles: &[Triangle], leaves: &[Leaf]) -> Vec<f32> {
+    let mut rows = vec![0.0; leaves_len(triangles.len())];
+    fill_leaves(nodes, triangles, &mut rows);
+    for leaf in leaves.iter().filter(|leaf| leaf.other > 240) {
+        rows[9 * leaf.first + leaf.number] = f32::from(leaf.other);
+    }
+    if leaves.iter().any(|leaf| leaf.other == 240) {
+        rows.pop();
+    }
+    rows
 }
 
 /// A node with any children, which are right as a rule, and boxes that fit as a rule.
@@ -108,11 +124,15 @@ fn node(
             let below = nodes.checked_sub(1 + node.child[child] as usize).and_then(|i| after.get(i));
             below.map_or(vec![], corners)
         } else {
-            let which = usize::from(which) % (leaves.len() + usize::from(kind & 2 == 2)).max(1);
-            (node.child[child], node.count[child]) = (which as u32, 1 + u32::from(kind >> 4) % 9);
-            let first = leaves.get(which).copied().unwrap_or(0);
+            let leaf = leaves.get(usize::from(which) % leaves.len().max(1)).copied();
+            let first = if kind & 2 == 2 { usize::from(which) } else { leaf.unwrap_or(0) };
+            (node.child[child], node.count[child]) = (first as u32, 1 + u32::from(kind >> 4) % 9);
             let end = triangles[0].len().min(first + node.count[child] as usize);
-            triangles.iter().flat_map(|list| &list[first..end]).flat_map(|t| t.corners).collect()
+            triangles
+                .iter()
+                .flat_map(|list| list.get(first..end).unwrap_or(&[]))
+                .flat_map(|t| t.corners)
+                .collect()
         };
         for axis in 0..3 {
             let around = |(l, u): (f32, f32), p: &[f32; 3]| (l.min(p[axis]), u.max(p[axis]));

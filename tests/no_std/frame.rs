@@ -5,7 +5,9 @@ use pmcip_core::sampler::{Memory, Sampler, Schedule, Settings, Tally, Workspace}
 use pmcip_core::tracer::camera::Camera;
 use pmcip_core::tracer::scene::light;
 use pmcip_core::tracer::scene::sky::{self, Sky, Sun};
-use pmcip_core::tracer::scene::{Leaf8, Light, Material, Node8, Scene, SceneData, Surface, Triangle};
+use pmcip_core::tracer::scene::{
+    Light, Material, Node8, Scene, SceneData, Surface, Triangle, fill_leaves, leaves_len,
+};
 use pmcip_core::tracer::shade::path::{Packet, PathTracer};
 
 const WIDTH: u32 = 40;
@@ -26,13 +28,14 @@ pub fn render() -> Option<(Tally, f32)> {
     ];
     let surfaces = [Surface::default(), Surface { material: 1, ..Surface::default() }];
     let materials = [Material::default(), Material { emission: [LAMP; 3], ..Material::default() }];
-    let leaves = [Leaf8::new(0, &triangles)];
     let mut nodes = [Node8::EMPTY];
     let root = &mut nodes[0];
     for (axis, (low, high)) in [(-1.0, 1.0), (-1.0, 2.0), (0.0, 2.0)].into_iter().enumerate() {
         (root.lower[axis][0], root.upper[axis][0]) = (low, high);
     }
     root.count[0] = triangles.len() as u32;
+    let mut leaves = [0.0; leaves_len(2)];
+    fill_leaves(&nodes, &triangles, &mut leaves);
     let mut lights = [Light::default(); 2];
     let used = light::build(&triangles, &surfaces, &materials, &mut lights);
     let sun = Sun { direction: [0.0, 0.0, 1.0], radius: 0.01, radiance: [0.01; 3] };

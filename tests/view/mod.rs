@@ -5,7 +5,9 @@ use pmcip_core::maths::vec3::Vec3x8;
 use pmcip_core::sampler::batch::{Batch8, Integrand};
 use pmcip_core::tracer::camera::Camera;
 use pmcip_core::tracer::scene::light;
-use pmcip_core::tracer::scene::{Leaf8, Light, Material, Node8, Scene, SceneData, Surface, Triangle};
+use pmcip_core::tracer::scene::{
+    Light, Material, Node8, Scene, SceneData, Surface, Triangle, fill_leaves, leaves_len,
+};
 use pmcip_core::tracer::shade::path::{Packet, PathTracer};
 use pmcip_core::tracer::trace::{Hits8, Rays8, Tracer};
 use wide::{f32x8, u32x8};
@@ -44,7 +46,7 @@ pub struct Change {
 #[derive(Clone)]
 pub struct View {
     nodes: Vec<Node8>,
-    leaves: Vec<Leaf8>,
+    leaves: Vec<f32>,
     triangles: Vec<Triangle>,
     surfaces: Vec<Surface>,
     materials: Vec<Material>,
@@ -63,6 +65,8 @@ impl View {
             lights: vec![],
         };
         view.grow(&mut Random(seed), 1);
+        view.leaves = vec![0.0; leaves_len(view.triangles.len())];
+        fill_leaves(&view.nodes, &view.triangles, &mut view.leaves);
         let material = |i: usize| u32::from(i.is_multiple_of(97));
         view.surfaces = (0..view.triangles.len())
             .map(|i| Surface { material: material(i), ..Surface::default() })
@@ -83,7 +87,7 @@ impl View {
                 let first = self.nodes.len();
                 (first, 0, self.grow(random, level + 1))
             } else {
-                (self.leaves.len(), TRIANGLES, self.leaf(random))
+                (self.triangles.len(), TRIANGLES, self.leaf(random))
             };
             let node = &mut self.nodes[index];
             (node.child[child], node.count[child]) = (first as u32, count);
@@ -103,7 +107,6 @@ impl View {
             let corner = |_| centre.map(|x| x + 0.2 * random.unit());
             self.triangles.push(Triangle { corners: [0; 3].map(corner) });
         }
-        self.leaves.push(Leaf8::new(first as u32, &self.triangles[first..]));
         let corners = || self.triangles[first..].iter().flat_map(|t| t.corners);
         let bound = |axis: usize, f: fn(f32, f32) -> f32| corners().map(|c| c[axis]).reduce(f).unwrap_or(0.0);
         [[0, 1, 2].map(|axis| bound(axis, f32::min)), [0, 1, 2].map(|axis| bound(axis, f32::max))]
@@ -126,9 +129,8 @@ impl View {
                 self.nodes[i].count[to] = bits % 10;
             }
             3 => {
-                let (i, first) = (at % self.leaves.len(), bits as usize % self.triangles.len());
-                let end = self.triangles.len().min(first + field % 10);
-                self.leaves[i] = Leaf8::new(bits % 4096, &self.triangles[first..end]);
+                let i = at % self.leaves.len();
+                self.leaves[i] = value;
             }
             4 => {
                 let i = at % self.triangles.len();

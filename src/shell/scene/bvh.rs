@@ -6,7 +6,7 @@ use glam::Vec3A;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2_from_tris;
 use obvhs::{BvhBuildParams, triangle::Triangle as BuildTriangle};
-use pmcip_core::tracer::scene::{Leaf8, MAX_DEPTH, Node8, Triangle};
+use pmcip_core::tracer::scene::{MAX_DEPTH, Node8, Triangle, fill_leaves, leaves_len};
 use rayon::prelude::*;
 use std::collections::{HashMap, HashSet};
 use std::time::Duration;
@@ -16,12 +16,15 @@ use std::time::Duration;
 pub struct Bvh {
     /// Nodes, the root first, parents before children.
     pub nodes: Vec<Node8>,
-    /// Leaves of the nodes.
-    pub leaves: Vec<Leaf8>,
-    /// The same of the triangles as the shutter closes; none if they stand still.
-    pub moved_leaves: Vec<Leaf8>,
     /// `order[i]` is the original index of the `i`-th triangle in leaf order.
     pub order: Vec<u32>,
+}
+
+/// What the core wants of triangles in the order of the leaves of `nodes`.
+pub fn leaves(nodes: &[Node8], triangles: &[Triangle]) -> Vec<f32> {
+    let mut leaves = vec![0.0; leaves_len(triangles.len())];
+    fill_leaves(nodes, triangles, &mut leaves);
+    leaves
 }
 
 /// From this number of triangles on they are divided into parts first: what is lost by their coarse borders is little then.
@@ -114,7 +117,7 @@ fn join(triangles: Triangles<'_>, parts: Vec<Vec<u32>>, padding: f32) -> Bvh {
     let mut whole = Bvh { nodes: vec![Node8::EMPTY], ..Bvh::default() };
     for (slot, part) in built.into_iter().enumerate() {
         let (lower, upper) = part.nodes[0].hull();
-        let (node, leaf) = (whole.nodes.len() as u32, whole.leaves.len() as u32);
+        let node = whole.nodes.len() as u32;
         let root = &mut whole.nodes[0];
         for axis in 0..3 {
             (root.lower[axis][slot], root.upper[axis][slot]) = (lower[axis], upper[axis]);
@@ -122,14 +125,12 @@ fn join(triangles: Triangles<'_>, parts: Vec<Vec<u32>>, padding: f32) -> Bvh {
         root.child[slot] = node;
         whole.nodes.extend(part.nodes.into_iter().map(|mut of_part| {
             for child in 0..8 {
-                if of_part.is_used(child) {
-                    of_part.child[child] += if of_part.count[child] > 0 { leaf } else { node };
+                if of_part.is_used(child) && of_part.count[child] == 0 {
+                    of_part.child[child] += node;
                 }
             }
             of_part
         }));
-        whole.leaves.extend(part.leaves);
-        whole.moved_leaves.extend(part.moved_leaves);
         whole.order.extend(part.order);
     }
     whole
@@ -249,8 +250,6 @@ struct Collapse<'a> {
     plans: Vec<Plan>,
     padding: f32,
     nodes: Vec<Node8>,
-    leaves: Vec<Leaf8>,
-    moved_leaves: Vec<Leaf8>,
     order: Vec<u32>,
     /// Place of the first triangle in the order of the whole hierarchy.
     start: u32,
@@ -276,14 +275,11 @@ impl Collapse<'_> {
             plans,
             padding,
             nodes: Vec::new(),
-            leaves: Vec::new(),
-            moved_leaves: Vec::new(),
             order: Vec::new(),
             start,
         };
         collapse.node(0, level);
-        let Collapse { nodes, leaves, moved_leaves, order, .. } = collapse;
-        Bvh { nodes, leaves, moved_leaves, order }
+        Bvh { nodes: collapse.nodes, order: collapse.order }
     }
 
     /// Appends the wide node at `level` that stands for binary node `root` and what is below it; returns its index.
@@ -368,15 +364,7 @@ impl Collapse<'_> {
         }
         let first = self.start + self.order.len() as u32;
         self.order.extend(order);
-        let leaf = |all: &[Triangle]| {
-            let triangles: Vec<Triangle> = order.iter().map(|i| all[*i as usize]).collect();
-            Leaf8::new(first, &triangles)
-        };
-        self.leaves.push(leaf(self.triangles.open));
-        if !self.triangles.closing.is_empty() {
-            self.moved_leaves.push(leaf(self.triangles.closing));
-        }
-        (self.leaves.len() as u32 - 1, order.len() as u32)
+        (first, order.len() as u32)
     }
 
     /// The triangles below `root`, from left to right. The binary tree may be as deep as there are triangles.

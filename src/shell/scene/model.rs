@@ -5,7 +5,7 @@ use super::place::Placement;
 use super::sky::SkyMap;
 pub use super::view::View;
 use pmcip_core::tracer::scene::{
-    Leaf8, Light, LightNode8, Material, Motion, Node8, SceneData, Surface, Texture, Triangle,
+    Light, LightNode8, Material, Motion, Node8, SceneData, Surface, Texture, Triangle,
 };
 use std::path::{Path, PathBuf};
 
@@ -26,8 +26,8 @@ pub struct Pose {
 pub struct Moved {
     /// One for each triangle.
     pub triangles: Vec<Triangle>,
-    /// One for each leaf of the hierarchy.
-    pub leaves: Vec<Leaf8>,
+    /// The triangles' coordinates leaf by leaf.
+    pub leaves: Vec<f32>,
     /// Shading normals at the corners of each triangle; zero where it is flat.
     pub normals: Vec<[[f32; 3]; 3]>,
 }
@@ -53,8 +53,8 @@ pub struct LoadedScene {
     pub origin: [f64; 3],
     /// Hierarchy over the triangles.
     pub nodes: Vec<Node8>,
-    /// The hierarchy's leaves.
-    pub leaves: Vec<Leaf8>,
+    /// The triangles' coordinates leaf by leaf.
+    pub leaves: Vec<f32>,
     /// Triangles in leaf order.
     pub triangles: Vec<Triangle>,
     /// One a triangle.

@@ -5,7 +5,7 @@ use super::model::Moved;
 use super::object::{Corner, NO_UVS, Object, Piece};
 use super::place::Placement;
 use glam::Vec3;
-use pmcip_core::tracer::scene::{Leaf8, Node8, Surface, Triangle};
+use pmcip_core::tracer::scene::{Node8, Surface, Triangle};
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -19,7 +19,7 @@ const LEAST_COSINE: f32 = 0.01;
 #[derive(Debug, Default)]
 pub(super) struct Geometry {
     pub nodes: Vec<Node8>,
-    pub leaves: Vec<Leaf8>,
+    pub leaves: Vec<f32>,
     pub triangles: Vec<Triangle>,
     pub surfaces: Vec<Surface>,
     /// Colours of the corners of each triangle; empty if no object has any.
@@ -161,10 +161,11 @@ impl Geometry {
             let Moved { triangles, leaves, normals } = &mut self.moved;
             *triangles = bvh.order.iter().map(|&i| triangles[i as usize]).collect();
             *normals = bvh.order.iter().map(|&i| normals[i as usize]).collect();
-            *leaves = bvh.moved_leaves;
+            *leaves = bvh::leaves(&bvh.nodes, triangles);
         }
         self.objects = bvh.order.iter().map(|&i| self.objects[i as usize]).collect();
-        (self.nodes, self.leaves) = (bvh.nodes, bvh.leaves);
+        self.leaves = bvh::leaves(&bvh.nodes, &self.triangles);
+        self.nodes = bvh.nodes;
     }
 }
 

@@ -1,7 +1,7 @@
 //! Whether lent slices are a scene: all that the hot path relies on, looked at once.
 
 use super::data::{Error, SceneData};
-use super::hierarchy::{MAX_DEPTH, STACK};
+use super::hierarchy::{LEAF, MAX_DEPTH, STACK, by_rows};
 use super::light::Lamp;
 use super::light_tree::{LIGHT_LEAF, LightNode8, MAX_LIGHT_DEPTH, slot};
 use super::motion::normals;
@@ -40,7 +40,7 @@ fn check_colours(data: &SceneData<'_>) -> Result<(), Error> {
 fn check_motion(data: &SceneData<'_>) -> Result<(), Error> {
     let Some(motion) = &data.motion else { return Ok(()) };
     let triangles = [motion.triangles.len(), motion.normals.len()];
-    let complete = triangles == [data.triangles.len(); 2] && motion.leaves.len() == data.leaves.len();
+    let complete = triangles == [data.triangles.len(); 2];
     let finite = |normals: &[[f32; 3]; 3]| normals.as_flattened().iter().all(|v| v.is_finite());
     if complete && motion.normals.iter().all(finite) { Ok(()) } else { Err(Error::Motion) }
 }
@@ -75,9 +75,8 @@ fn check_hierarchy(data: &SceneData) -> Result<(), Error> {
             if count > 0 {
                 let moved = data.motion.map(|motion| (motion.triangles, motion.leaves));
                 for (all, leaves) in [Some((data.triangles, data.leaves)), moved].into_iter().flatten() {
-                    let triangles =
-                        leaf_triangles(all, data, first, count).ok_or(Error::Node(index as usize))?;
-                    if !leaves[first].holds(triangles) {
+                    let triangles = leaf_triangles(all, first, count).ok_or(Error::Node(index as usize))?;
+                    if !is_held(leaves, first, triangles) {
                         return Err(Error::Leaf(first));
                     }
                     let mut corners = triangles.iter().flat_map(|t| t.corners);
@@ -100,15 +99,15 @@ fn check_hierarchy(data: &SceneData) -> Result<(), Error> {
     Ok(())
 }
 
-/// Those of `triangles` that belong to leaf number `leaf`, if it and they exist.
-fn leaf_triangles<'a>(
-    triangles: &'a [Triangle],
-    data: &SceneData<'_>,
-    leaf: usize,
-    count: usize,
-) -> Option<&'a [Triangle]> {
-    let start = data.leaves.get(leaf)?.first as usize;
-    if count > 8 { None } else { triangles.get(start..start.checked_add(count)?) }
+/// Those of `triangles` that belong to a leaf, if they exist.
+fn leaf_triangles(triangles: &[Triangle], first: usize, count: usize) -> Option<&[Triangle]> {
+    if count > 8 { None } else { triangles.get(first..first.checked_add(count)?) }
+}
+
+/// Whether the leaf's rows are those of its triangles, bit by bit, and all that a walk reads is there.
+fn is_held(leaves: &[f32], first: usize, triangles: &[Triangle]) -> bool {
+    let rows = leaves.get(9 * first..9 * first + LEAF);
+    rows.is_some_and(|rows| rows.iter().zip(by_rows(triangles)).all(|(a, b)| a.to_bits() == b.to_bits()))
 }
 
 /// Whether every light is the lamp that its triangle is, and the probabilities rise to one.
@@ -145,7 +144,7 @@ pub(crate) fn check_light_tree(data: &SceneData<'_>) -> Result<(), Error> {
         return Err(Error::LightTree);
     }
     let rises = |i: usize| i == 0 || data.lights[i - 1].triangle < data.lights[i].triangle;
-    match (0..data.lights.len()).find(|&i| !(rises(i) && is_held(data, i))) {
+    match (0..data.lights.len()).find(|&i| !(rises(i) && is_reached(data, i))) {
         Some(i) => Err(Error::LightPath(i)),
         None => Ok(()),
     }
@@ -175,7 +174,7 @@ fn has_one_place_each(data: &SceneData<'_>) -> bool {
 }
 
 /// Whether the path of light `index` leads to it through groups that hold it.
-fn is_held(data: &SceneData<'_>, index: usize) -> bool {
+fn is_reached(data: &SceneData<'_>, index: usize) -> bool {
     let light = &data.lights[index];
     let mut at = 0;
     for level in 0..MAX_LIGHT_DEPTH {

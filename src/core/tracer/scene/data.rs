@@ -1,6 +1,6 @@
 //! What a scene is made of, unchecked, and what can be wrong with it.
 
-use super::hierarchy::{Leaf8, MAX_DEPTH, Node8};
+use super::hierarchy::{MAX_DEPTH, Node8};
 use super::light::Light;
 use super::light_tree::LightNode8;
 use super::motion::Motion;
@@ -12,8 +12,8 @@ use super::surface::{Material, Surface, Texture, Triangle};
 pub struct SceneData<'a> {
     /// Hierarchy over `triangles`; node 0 is the root. Empty for an empty scene.
     pub nodes: &'a [Node8],
-    /// The hierarchy's leaves.
-    pub leaves: &'a [Leaf8],
+    /// The triangles' coordinates leaf by leaf, as [`fill_leaves`](super::fill_leaves) arranges them.
+    pub leaves: &'a [f32],
     /// Triangles, those of a leaf side by side.
     pub triangles: &'a [Triangle],
     /// One for each triangle.
@@ -68,7 +68,7 @@ pub enum Error {
     Node(usize),
     /// The node of this index has a box that does not enclose what is below it.
     Bounds(usize),
-    /// The leaf of this index has other corners than its triangles, or more of them.
+    /// The leaf whose first triangle has this index has other corners in `leaves` than its triangles, or these are too short.
     Leaf(usize),
     /// The hierarchy has more than [`MAX_DEPTH`] levels.
     TooDeep,
@@ -107,7 +107,7 @@ impl core::fmt::Display for Error {
                 write!(f, "node {i} refers to a child or a triangle that is not there, or a box is not a box")
             }
             Error::Bounds(i) => write!(f, "a box of node {i} does not enclose what is below it"),
-            Error::Leaf(i) => write!(f, "leaf {i} does not hold the triangles it stands for"),
+            Error::Leaf(i) => write!(f, "the leaf of triangle {i} does not hold the triangles it stands for"),
             Error::TooDeep => write!(f, "the hierarchy has more than {MAX_DEPTH} levels"),
             Error::Surface(i) => write!(f, "surface {i} names a material that is not there"),
             Error::Material(i) => write!(f, "material {i} has a value out of range or no such texture"),

@@ -20,7 +20,7 @@ pub struct Node8 {
     pub lower: [[f32; 8]; 3],
     /// Upper corners. An unused child has `−∞`.
     pub upper: [[f32; 8]; 3],
-    /// For an inner child the index of its node, which is above this node's own; else the index of a leaf.
+    /// For an inner child the index of its node, which is above this node's own; else that of the leaf's first triangle.
     pub child: [u32; 8],
     /// Number of triangles of a leaf, 1 to 8; 0 for an inner or unused child.
     pub count: [u32; 8],
@@ -81,38 +81,36 @@ impl Node8 {
     }
 }
 
-/// Up to eight triangles in structure-of-arrays form, so that one ray meets all of them at once.
-#[repr(C, align(32))]
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Leaf8 {
-    /// Coordinates by corner, axis and triangle; NaN, which nothing hits, where there is no triangle.
-    pub(crate) corners: [[[f32; 8]; 3]; 3],
-    /// Index of the first triangle in [`SceneData::triangles`](crate::tracer::scene::SceneData::triangles); the others follow.
-    pub(crate) first: u32,
+/// Numbers that there must be from the beginning of a leaf on. A walk reads eight of every row, however many triangles the
+/// leaf has, the last at 64 at most; with eight more than a power of two that needs no check.
+pub(crate) const LEAF: usize = 136;
+
+/// Zeros after the last leaf's numbers.
+const TAIL: usize = LEAF - 9;
+
+/// How many numbers [`SceneData::leaves`](crate::tracer::scene::SceneData::leaves) has for so many triangles.
+pub const fn leaves_len(triangles: usize) -> usize {
+    9 * triangles + TAIL
 }
 
-impl Leaf8 {
-    /// The leaf of `triangles`, of which the first has this index in the scene; those beyond eight are left out.
-    pub fn new(first: u32, triangles: &[Triangle]) -> Self {
-        let mut leaf = Leaf8 { corners: [[[f32::NAN; 8]; 3]; 3], first };
-        for (lane, triangle) in triangles.iter().enumerate().take(8) {
-            for (rows, corner) in leaf.corners.iter_mut().zip(triangle.corners) {
-                for (row, coordinate) in rows.iter_mut().zip(corner) {
-                    row[lane] = coordinate;
-                }
+/// Fills [`SceneData::leaves`](crate::tracer::scene::SceneData::leaves): the coordinates of `triangles`, those of each leaf of
+/// `nodes` by corner, axis and triangle, so that one ray meets all of them at once. `out` should be as long as
+/// [`leaves_len`] says. Leaves that do not fit are left out.
+pub fn fill_leaves(nodes: &[Node8], triangles: &[Triangle], out: &mut [f32]) {
+    out.fill(0.0);
+    for (node, child) in nodes.iter().flat_map(|node| (0..8).map(move |child| (node, child))) {
+        let (first, count) = (node.child[child] as usize, node.count[child] as usize);
+        let held = triangles.get(first..first.saturating_add(count));
+        let rows = out.get_mut(9 * first..9 * first.saturating_add(count));
+        if let (Some(held), Some(rows)) = (held, rows) {
+            for (number, coordinate) in rows.iter_mut().zip(by_rows(held)) {
+                *number = coordinate;
             }
         }
-        leaf
     }
+}
 
-    /// Whether it holds `triangles`, all of a leaf's, bit by bit, and nothing else that could be hit.
-    pub(super) fn holds(&self, triangles: &[Triangle]) -> bool {
-        let corner = |lane: usize, k: usize| self.corners[k].map(|row| row[lane].to_bits());
-        let same = |(lane, triangle): (usize, &Triangle)| {
-            (0..3).all(|k| corner(lane, k) == triangle.corners[k].map(f32::to_bits))
-        };
-        let rows = || self.corners.as_flattened().iter();
-        triangles.iter().enumerate().all(same)
-            && rows().all(|row| row[triangles.len()..].iter().all(|x| x.is_nan()))
-    }
+/// The coordinates of a leaf's triangles by corner, axis and triangle.
+pub(super) fn by_rows(triangles: &[Triangle]) -> impl Iterator<Item = f32> {
+    (0..9).flat_map(|row| triangles.iter().map(move |triangle| triangle.corners[row / 3][row % 3]))
 }

@@ -14,8 +14,8 @@ pub mod sky;
 mod surface;
 
 pub use data::{Error, SceneData};
-pub(crate) use hierarchy::STACK;
-pub use hierarchy::{Leaf8, MAX_DEPTH, Node8};
+pub(crate) use hierarchy::{LEAF, STACK};
+pub use hierarchy::{MAX_DEPTH, Node8, fill_leaves, leaves_len};
 pub use light::{Lamp, Light};
 pub use light_tree::{LIGHT_LEAF, LightNode8, MAX_LIGHT_DEPTH};
 pub use motion::Motion;

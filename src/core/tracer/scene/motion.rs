@@ -4,7 +4,6 @@
 //! them: what turns goes along the chord of its way, as with every renderer of two positions a frame. Scenes that stand still
 //! pay nothing for it.
 
-use super::hierarchy::Leaf8;
 use super::surface::Triangle;
 use crate::maths::vec3::{self, Vec3x8};
 use wide::f32x8;
@@ -14,8 +13,8 @@ use wide::f32x8;
 pub struct Motion<'a> {
     /// One for each triangle. The boxes of the hierarchy and of the light tree hold them, too.
     pub triangles: &'a [Triangle],
-    /// One for each leaf, of the triangles above.
-    pub leaves: &'a [Leaf8],
+    /// The coordinates of the triangles above, leaf by leaf, as [`fill_leaves`](super::fill_leaves) arranges them.
+    pub leaves: &'a [f32],
     /// Unit shading normals at the corners of each triangle, on the front side; zero where it is flat.
     pub normals: &'a [[[f32; 3]; 3]],
 }

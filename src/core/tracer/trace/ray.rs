@@ -98,7 +98,10 @@ impl Frames {
     #[inline(always)]
     pub fn lane(&self, lane: usize) -> Self {
         let vector = |v: &Vec3x8| Vec3x8::new(one(&v.x, lane), one(&v.y, lane), one(&v.z, lane));
-        Frames { axes: self.axes.each_ref().map(vector), origin: self.origin.each_ref().map(|v| one(v, lane)) }
+        Frames {
+            axes: self.axes.each_ref().map(vector),
+            origin: self.origin.each_ref().map(|v| one(v, lane)),
+        }
     }
 }
 

@@ -4,7 +4,7 @@
 //! that it does not matter for a hit which of the two found it.
 
 use super::ray::{self, Hit, MISS, Prepared, Slopes};
-use super::triangle;
+use super::triangle::{self, Leaf};
 use crate::tracer::scene::{Node8, STACK, Scene};
 use wide::f32x8;
 
@@ -70,13 +70,8 @@ pub(super) fn find_closest<const MOVING: bool>(
     let mut top = 0;
     loop {
         if count > 0 {
-            let corners = triangle::all::<MOVING>(data, first, time);
-            triangle::closest_of(
-                &rays.frames.lane(lane),
-                corners,
-                data.leaves[first as usize].first,
-                &mut hit,
-            );
+            let leaf = Leaf { first, count };
+            triangle::closest_of(&rays.frames.lane(lane), leaf.all::<MOVING>(data, time), leaf, &mut hit);
         } else {
             let node = &data.nodes[first as usize];
             let (near, mut met) = planes.enter(&slopes, node, hit.t);
@@ -155,8 +150,8 @@ pub(super) fn find_any<const MOVING: bool>(
                 top += 1;
                 continue;
             }
-            let corners = triangle::all::<MOVING>(data, first, time);
-            if triangle::any_blocks(&rays.frames.lane(lane), corners, t_max) {
+            let leaf = Leaf { first, count };
+            if triangle::any_blocks(&rays.frames.lane(lane), leaf.all::<MOVING>(data, time), leaf, t_max) {
                 return true;
             }
         }

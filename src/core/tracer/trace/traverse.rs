@@ -1,7 +1,8 @@
 //! The walk through the eight-wide hierarchy.
 
 use super::ray::{Hits8, Prepared, Rays8, Slopes};
-use super::{single, triangle};
+use super::single;
+use super::triangle::{self, Leaf};
 use crate::maths::vec3::Vec3x8;
 use crate::tracer::scene::{Node8, STACK, Scene, between};
 use wide::{f32x4, f32x8};
@@ -109,7 +110,7 @@ impl<'a> Tracer<'a> {
                     [0, 1, 2].map(|corner| between(open[corner], closing[corner], rays.time))
                 }
             };
-            triangle::closest(&prepared.frames, corners, || light.triangle, &mut hits);
+            triangle::closest(&prepared.frames, corners, light.triangle, &mut hits);
         }
         hits
     }
@@ -151,10 +152,10 @@ impl<'a> Tracer<'a> {
                 continue;
             }
             if entry.count > 0 {
-                let first = || data.leaves[entry.first as usize].first;
-                for slot in 0..entry.count as usize {
-                    let corners = triangle::one::<MOVING>(data, entry.first, slot, rays.time);
-                    triangle::closest(&rays.frames, corners, || first() + slot as u32, hits);
+                let leaf = Leaf { first: entry.first, count: entry.count };
+                for slot in 0..entry.count {
+                    let corners = leaf.one::<MOVING>(data, slot as usize, rays.time);
+                    triangle::closest(&rays.frames, corners, leaf.first + slot, hits);
                 }
                 continue;
             }
@@ -207,14 +208,14 @@ impl<'a> Tracer<'a> {
                 if met == 0 {
                     continue;
                 }
-                let (first, count) = (node.child[child], node.count[child] as usize);
+                let (first, count) = (node.child[child], node.count[child]);
                 if count == 0 {
                     self.shadow_stack[top] = (first, met);
                     top += 1;
                     continue;
                 }
                 for slot in 0..count {
-                    let corners = triangle::one::<MOVING>(data, first, slot, rays.time);
+                    let corners = Leaf { first, count }.one::<MOVING>(data, slot as usize, rays.time);
                     let hit = triangle::blocks(&rays.frames, corners, t_max);
                     t_max = hit.select(f32x8::splat(-1.0), t_max);
                     blocked |= hit.to_bitmask();

@@ -8,7 +8,7 @@
 
 use super::ray::{Frames, Hit, Hits8, MISS};
 use crate::maths::vec3::Vec3x8;
-use crate::tracer::scene::{Leaf8, SceneData, between};
+use crate::tracer::scene::{LEAF, SceneData, between};
 use wide::{f32x8, u32x8};
 
 /// A candidate intersection; `valid` has all bits set in lanes that hit between origin and `t_max`.
@@ -49,12 +49,11 @@ fn coordinate(rays: &Frames, k: usize, corner: Vec3x8) -> f32x8 {
     super::ray::dot(rays.axes[k], corner) - rays.origin[k]
 }
 
-/// Replaces `hits` in the lanes where triangle `index` is nearer, or as near with a lower index. The index is asked
-/// for only where a ray passes through the triangle: it lies in another cache line than the corners.
+/// Replaces `hits` in the lanes where triangle `index` is nearer, or as near with a lower index.
 #[inline(always)]
-pub(super) fn closest(rays: &Frames, corners: [Vec3x8; 3], index: impl FnOnce() -> u32, hits: &mut Hits8) {
+pub(super) fn closest(rays: &Frames, corners: [Vec3x8; 3], index: u32, hits: &mut Hits8) {
     let Some(candidate) = intersect(rays, corners, hits.t) else { return };
-    let index = u32x8::splat(index());
+    let index = u32x8::splat(index);
     let tie = candidate.t.simd_eq(hits.t);
     let lower: f32x8 = bytemuck::cast(index.simd_lt(hits.triangle));
     let nearer = candidate.t.simd_lt(hits.t) | (tie & lower);
@@ -71,12 +70,11 @@ pub(super) fn blocks(rays: &Frames, corners: [Vec3x8; 3], t_max: f32x8) -> f32x8
     intersect(rays, corners, t_max).map_or(f32x8::ZERO, |candidate| candidate.valid)
 }
 
-/// One ray against all triangles of a leaf, of which the first has index `first`: replaces `hit` if one is nearer, or as near
-/// with a lower index.
+/// One ray against all triangles of a leaf: replaces `hit` if one is nearer, or as near with a lower index.
 #[inline(always)]
-pub(super) fn closest_of(ray: &Frames, corners: [Vec3x8; 3], first: u32, hit: &mut Hit) {
+pub(super) fn closest_of(ray: &Frames, corners: [Vec3x8; 3], leaf: Leaf, hit: &mut Hit) {
     let Some(candidate) = intersect(ray, corners, f32x8::splat(hit.t)) else { return };
-    let mut lanes = candidate.valid.to_bitmask();
+    let mut lanes = candidate.valid.to_bitmask() & leaf.lanes();
     if lanes == 0 {
         return;
     }
@@ -84,7 +82,7 @@ pub(super) fn closest_of(ray: &Frames, corners: [Vec3x8; 3], first: u32, hit: &m
     while lanes != 0 {
         let lane = lanes.trailing_zeros() as usize & 7;
         lanes &= lanes - 1;
-        let triangle = first + lane as u32;
+        let triangle = leaf.first + lane as u32;
         if t[lane] < hit.t || (t[lane] == hit.t && triangle < hit.triangle) {
             *hit = Hit { t: t[lane], u: u[lane], v: v[lane], triangle };
         }
@@ -93,53 +91,69 @@ pub(super) fn closest_of(ray: &Frames, corners: [Vec3x8; 3], first: u32, hit: &m
 
 /// Whether one of a leaf's triangles lies between one ray's origin and `t_max`.
 #[inline(always)]
-pub(super) fn any_blocks(ray: &Frames, corners: [Vec3x8; 3], t_max: f32) -> bool {
-    intersect(ray, corners, f32x8::splat(t_max)).is_some_and(|candidate| candidate.valid.any())
+pub(super) fn any_blocks(ray: &Frames, corners: [Vec3x8; 3], leaf: Leaf, t_max: f32) -> bool {
+    intersect(ray, corners, f32x8::splat(t_max))
+        .is_some_and(|candidate| candidate.valid.to_bitmask() & leaf.lanes() != 0)
 }
 
-/// The corners of triangle number `slot` of leaf number `leaf`, in all lanes, each at its own `time` if anything is `MOVING`.
-#[inline(always)]
-pub(super) fn one<const MOVING: bool>(
-    data: &SceneData<'_>,
-    leaf: u32,
-    slot: usize,
-    time: f32x8,
-) -> [Vec3x8; 3] {
-    at::<MOVING>(data, leaf, time, |leaf| splat(leaf, slot))
+/// The triangles of a leaf.
+#[derive(Clone, Copy)]
+pub(super) struct Leaf {
+    /// Index of the first; the others follow.
+    pub first: u32,
+    /// How many, 1 to 8.
+    pub count: u32,
 }
 
-/// The corners of all triangles of a leaf, one a lane, likewise.
-#[inline(always)]
-pub(super) fn all<const MOVING: bool>(data: &SceneData<'_>, leaf: u32, time: f32x8) -> [Vec3x8; 3] {
-    at::<MOVING>(data, leaf, time, lanes)
-}
-
-/// What is read of a leaf, between its two places if anything is `MOVING`.
-#[inline(always)]
-fn at<const MOVING: bool>(
-    data: &SceneData<'_>,
-    leaf: u32,
-    time: f32x8,
-    read: impl Fn(&Leaf8) -> [Vec3x8; 3],
-) -> [Vec3x8; 3] {
-    let open = read(&data.leaves[leaf as usize]);
-    match &data.motion {
-        Some(motion) if MOVING => {
-            let closing = read(&motion.leaves[leaf as usize]);
-            [0, 1, 2].map(|corner| between(open[corner], closing[corner], time))
-        }
-        _ => open,
+impl Leaf {
+    /// A lane for each triangle, as bits.
+    #[inline(always)]
+    fn lanes(self) -> u32 {
+        0xff >> ((8 - self.count) & 7)
     }
-}
 
-#[inline(always)]
-fn splat(leaf: &Leaf8, slot: usize) -> [Vec3x8; 3] {
-    leaf.corners.each_ref().map(|c| Vec3x8::splat([0, 1, 2].map(|axis| c[axis][slot & 7])))
-}
+    /// The corners of triangle number `slot`, in all lanes, each at its own `time` if anything is `MOVING`.
+    #[inline(always)]
+    pub fn one<const MOVING: bool>(self, data: &SceneData<'_>, slot: usize, time: f32x8) -> [Vec3x8; 3] {
+        self.at::<MOVING>(data, time, |row| f32x8::splat(row[slot & 7]))
+    }
 
-#[inline(always)]
-fn lanes(leaf: &Leaf8) -> [Vec3x8; 3] {
-    leaf.corners.each_ref().map(|[x, y, z]| Vec3x8::new((*x).into(), (*y).into(), (*z).into()))
+    /// The corners of all triangles, one a lane, likewise. Lanes beyond them hold arbitrary values.
+    #[inline(always)]
+    pub fn all<const MOVING: bool>(self, data: &SceneData<'_>, time: f32x8) -> [Vec3x8; 3] {
+        self.at::<MOVING>(data, time, |row| f32x8::from(row))
+    }
+
+    /// What is read of the rows, between their two places if anything is `MOVING`.
+    #[inline(always)]
+    fn at<const MOVING: bool>(
+        self,
+        data: &SceneData<'_>,
+        time: f32x8,
+        read: impl Fn(&[f32]) -> f32x8,
+    ) -> [Vec3x8; 3] {
+        let open = self.read(data.leaves, &read);
+        match &data.motion {
+            Some(motion) if MOVING => {
+                let closing = self.read(motion.leaves, &read);
+                [0, 1, 2].map(|corner| between(open[corner], closing[corner], time))
+            }
+            _ => open,
+        }
+    }
+
+    /// What `read` makes of eight numbers from the beginning of each row on.
+    #[inline(always)]
+    fn read(self, leaves: &[f32], read: &impl Fn(&[f32]) -> f32x8) -> [Vec3x8; 3] {
+        let start = 9 * self.first as usize;
+        let rows: &[f32; LEAF] = leaves[start..].first_chunk().expect("leaves end with zeros");
+        let row = |i: usize| {
+            // At most 64: the mask only tells the compiler that no row can be out of bounds.
+            let at = (i * self.count as usize) & (LEAF - 9);
+            read(&rows[at..at + 8])
+        };
+        [0, 3, 6].map(|i| Vec3x8::new(row(i), row(i + 1), row(i + 2)))
+    }
 }
 
 impl Hits8 {

@@ -26,10 +26,11 @@ fn parts_become_one_hierarchy() {
         };
         let (triangles, closing) = (ordered(&open), ordered(closing));
         let normals = vec![[[0.0; 3]; 3]; closing.len()];
-        let motion = Motion { triangles: &closing, leaves: &bvh.moved_leaves, normals: &normals };
+        let moved_leaves = leaves(&bvh.nodes, &closing);
+        let motion = Motion { triangles: &closing, leaves: &moved_leaves, normals: &normals };
         let data = SceneData {
             nodes: &bvh.nodes,
-            leaves: &bvh.leaves,
+            leaves: &leaves(&bvh.nodes, &triangles),
             triangles: &triangles,
             surfaces: &vec![Surface::default(); 3000],
             materials: &[Material::default()],
