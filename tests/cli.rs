@@ -157,6 +157,41 @@ fn progress_knows_frames_and_what_was_there() {
     assert!(said.starts_with("openjd_progress: 100.0\nopenjd_status: 4.0 spp"), "{said}");
 }
 
+/// Of what takes long beside `render`: lines from nothing to everything, of as many samples as were to be drawn.
+#[test]
+fn json_tells_how_far_bakes_references_and_comparisons_are() {
+    let room = room();
+    let whole = |arguments: &str, spp: f64| {
+        let Output { status, stderr, .. } = pmcip(room.path(), arguments);
+        let text = String::from_utf8(stderr).unwrap();
+        assert!(status.success(), "{text}");
+        let lines = text.lines().filter(|line| line.starts_with('{'));
+        let lines: Vec<Value> = lines.map(|line| serde_json::from_str(line).unwrap()).collect();
+        let done: Vec<f64> = lines.iter().map(|line| line["done"].as_f64().unwrap()).collect();
+        assert!(done.first() == Some(&0.0) && done.is_sorted() && done.ends_with(&[1.0]), "{text}");
+        assert!(lines.iter().all(|line| line["event"] == "progress" && line.get("frame").is_none()));
+        let last = lines[lines.len() - 1].clone();
+        assert_eq!((&last["spp"], &last["seconds_left"]), (&spp.into(), &0.0.into()));
+        last
+    };
+    let last = whole(&format!("reference room.obj {VIEW} --spp 24 -o r.exr --json"), 24.0);
+    assert!(last["estimated_err"].as_f64().unwrap() > 0.0, "{last}");
+    whole("bake room.obj --size 32 --spp 6 -o b.exr --json", 6.0);
+    // Reference, warm-up, and two methods.
+    let compare =
+        format!("compare room.obj {VIEW} --reference-spp 16 --spp 2 --methods uniform,pmc --runs 1 -o c");
+    whole(&format!("{compare} --json"), 16.0 + 2.0 + 4.0);
+    // The reference is there already: the same whole.
+    whole(&format!("{compare} --progress json"), 16.0 + 2.0 + 4.0);
+    let said = success(room.path(), "bake room.obj --size 32 --spp 6 -o b.exr --progress openjd");
+    assert!(said.starts_with("openjd_progress: 0.0\nopenjd_status: 0.0 spp"), "{said}");
+    assert!(said.contains("openjd_progress: 100.0\nopenjd_status: 6.0 spp"), "{said}");
+    for command in ["reference room.obj --spp 1 -o r.exr", "bake room.obj -o b.exr", "compare room.obj -o c"]
+    {
+        failure(room.path(), &format!("{command} --quiet --progress json"), 2, "cannot be used with");
+    }
+}
+
 #[test]
 fn every_sampler_and_estimator_renders() {
     let room = room();

@@ -966,3 +966,66 @@ fn the_program_renders_it_frame_by_frame() {
         .filter(|entry| entry.as_ref().unwrap().file_name().to_string_lossy().ends_with(".exr"));
     assert_eq!(written.count(), 2);
 }
+
+/// A mesh at many nodes, numbers in many primitives, keys in many animations, a file in many buffers, lamps: what a few words
+/// repeat is counted before it is made.
+#[test]
+fn what_there_is_no_memory_for_is_refused() {
+    let within = |memory: u64, gltf: &Gltf| {
+        let (_folder, path) = gltf.written();
+        let options = Options { light: LightChoice::Own, memory: Some(memory), ..Options::default() };
+        let message = Animation::open(&path, &options).map(|_| ()).unwrap_err().to_string();
+        let (_, message) = message.split_once(": ").unwrap();
+        message.to_owned()
+    };
+    let lamps =
+        json!({ "KHR_lights_punctual": { "lights": [{ "type": "spot", "spot": {}, "intensity": 1 }] } });
+    let square = || Gltf::new().with_square(json!({}));
+    let mut nodes = square();
+    for _ in 0..1000 {
+        nodes.add("nodes", json!({ "mesh": 0 }));
+    }
+    let refusal = within(100_000, &nodes);
+    assert!(refusal.starts_with("not enough memory: with 2002 triangles"), "{refusal}");
+    let mut primitives = square();
+    let primitive = json!({ "attributes": { "POSITION": 0 }, "indices": 2, "mode": 5 });
+    primitives.json["meshes"][0]["primitives"] = json!(vec![primitive; 1000]);
+    let refusal = within(10_000, &primitives);
+    assert!(refusal.contains("accessor 0: not enough memory: with 2478 numbers of meshes"), "{refusal}");
+    let mut keys = square();
+    let (input, output) = (keys.fractions(&[0.0, 1.0, 2.0]), keys.vectors(&[[0.0; 3]; 3]));
+    let sampler = json!({ "input": input, "output": output });
+    for node in 0..1000 {
+        keys.add("nodes", json!({}));
+        let channel = json!({ "sampler": 0, "target": { "node": node, "path": "translation" } });
+        keys.add("animations", json!({ "samplers": [sampler], "channels": [channel] }));
+    }
+    let refusal = within(100_000, &keys);
+    assert!(refusal.contains("not enough memory") && refusal.contains("keys"), "{refusal}");
+    let mut buffers = square();
+    let data = format!("data:;base64,{}", "A".repeat(4000));
+    buffers.json["buffers"] = json!(vec![json!({ "byteLength": 1, "uri": data }); 100]);
+    let refusal = within(100_000, &buffers);
+    assert!(refusal.contains("not enough memory: with 102000 bytes of files"), "{refusal}");
+    let mut lit = square().using(&["KHR_lights_punctual"]);
+    lit.json["extensions"] = lamps;
+    for _ in 0..100 {
+        lit.add("nodes", json!({ "extensions": { "KHR_lights_punctual": { "light": 0 } } }));
+    }
+    let refusal = within(1_000_000, &lit);
+    assert!(refusal.contains("not enough memory: with 1") && refusal.contains("triangles"), "{refusal}");
+}
+
+/// What a file takes while it is read is given back: it may stand in a scene often.
+#[test]
+fn what_was_only_read_is_given_back() {
+    let mut gltf = Gltf::new().with_square(json!({}));
+    gltf.view(&[0; 100_000]);
+    let (folder, _) = gltf.written();
+    let name = folder.path().read_dir().unwrap().next().unwrap().unwrap().file_name();
+    let mesh = format!("[[meshes]]\nfile = {name:?}\n");
+    let scene = folder.path().join("s.toml");
+    std::fs::write(&scene, mesh.repeat(10)).unwrap();
+    let options = Options { light: LightChoice::Own, memory: Some(200_000), ..Options::default() };
+    assert_eq!(Animation::open(&scene, &options).unwrap().scene().triangles.len(), 20);
+}

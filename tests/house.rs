@@ -203,7 +203,7 @@ fn arrows_in_the_shell_point_down() {
     check(
         "pmcip",
         "src/shell",
-        &["command", "compare", "animation", "bake", "film", "frame", "picture", "scene", "error"],
+        &["command", "compare", "animation", "bake", "film", "frame", "picture", "scene", "error", "machine"],
     );
 }
 

@@ -217,3 +217,81 @@ fn binary_files_do_no_harm() {
         assert!(!load(&path).unwrap_err().to_string().contains('\n'));
     }
 }
+
+/// The message of the first of the given files where a scene has so many bytes of memory.
+fn message_within(memory: u64, files: &[(&str, &str)]) -> String {
+    let dir = folder(files);
+    let options = Options { light: LightChoice::Own, memory: Some(memory), ..Options::default() };
+    let message =
+        Animation::open(&dir.path().join(files[0].0), &options).map(|_| ()).unwrap_err().to_string();
+    message.replace(&format!("{}{}", dir.path().display(), std::path::MAIN_SEPARATOR), "")
+}
+
+/// 430 bytes a triangle: 10 GB are full at the 18th of these spheres, before any is made.
+#[test]
+fn spheres_of_more_triangles_than_there_is_memory_for_name_the_line() {
+    let sphere = "[[spheres]]\ncenter = [0, 0, 0]\nradius = 1\nsubdivisions = 8\nmaterial = \"m\"\n";
+    let text = format!("{}[materials.m]\n", sphere.repeat(40));
+    assert_eq!(
+        message_within(10_000_000_000, &[("s.toml", &text)]),
+        "s.toml:89: subdivisions: not enough memory: with 23592960 triangles the scene takes 10.1 GB to load, \
+         10.0 GB are free"
+    );
+    // No machine has 2.3 TB.
+    let text = format!("{}[materials.m]\n", sphere.repeat(4096));
+    let message = message(&[("s.toml", &text)]);
+    assert!(message.contains(": subdivisions: ") && message.ends_with("are free"), "{message}");
+    // A sphere that does not say how fine it is has a line, too.
+    let message = message_within(1_000_000, &[("s.toml", &text.replace("subdivisions = 8\n", ""))]);
+    assert!(
+        message.starts_with("s.toml:4: subdivisions: not enough memory: with 81920 triangles"),
+        "{message}"
+    );
+}
+
+#[test]
+fn what_a_few_words_repeat_is_counted() {
+    let meshes = "[[meshes]]\nfile = \"m.obj\"\n".repeat(1000);
+    let triangles = format!("{CORNERS}{}", "f 1 2 3\n".repeat(20));
+    let refusal = message_within(20_000, &[("s.toml", &meshes), ("m.obj", &triangles)]);
+    assert_eq!(
+        refusal,
+        "m.obj: not enough memory: with 60 triangles the scene takes 0.0 GB to load, 0.0 GB are free"
+    );
+    // Materials that nothing is made of.
+    let names: String = (0..100).map(|i| format!("usemtl m{i}\n")).collect();
+    let materials = format!("{CORNERS}{names}f 1 2 3\n");
+    let refusal = message_within(200_000, &[("s.toml", &meshes), ("m.obj", &materials)]);
+    assert!(refusal.starts_with("m.obj: not enough memory: with 800 materials"), "{refusal}");
+}
+
+#[test]
+fn a_picture_without_room_is_an_error() {
+    let obj = format!("mtllib m.mtl\n{CORNERS}usemtl m\nf 1 2 3\n");
+    let dir = folder(&[("s.obj", &obj), ("m.mtl", "newmtl m\nmap_Kd t.png\n")]);
+    image::RgbImage::new(100, 50).save(dir.path().join("t.png")).unwrap();
+    let open = |memory| {
+        let options = Options { light: LightChoice::Own, memory: Some(memory), ..Options::default() };
+        Animation::open(&dir.path().join("s.obj"), &options).map(|animation| animation.scene().texels.len())
+    };
+    // Three times 12 bytes for each of 5000 texels while it is made linear, and a triangle.
+    assert_eq!(open(181_000).unwrap(), 5000);
+    let refusal = open(179_000).unwrap_err().to_string();
+    assert!(
+        refusal.contains("s.obj: a picture of 100×50: not enough memory: with 15000 texels"),
+        "{refusal}"
+    );
+}
+
+/// A file that is as long as it likes and holds nothing.
+#[cfg(unix)]
+#[test]
+fn files_larger_than_memory_are_not_read() {
+    let dir = tempfile::tempdir().unwrap();
+    for name in ["s.obj", "s.toml", "s.gltf"] {
+        let path = dir.path().join(name);
+        std::fs::File::create(&path).unwrap().set_len(1 << 43).unwrap();
+        let message = load(&path).unwrap_err().to_string();
+        assert!(message.contains("not enough memory: the file has 8796.1 GB, "), "{message}");
+    }
+}

@@ -18,6 +18,7 @@ pub mod compare;
 pub mod error;
 pub mod film;
 pub mod frame;
+mod machine;
 pub mod picture;
 pub mod scene;
 

@@ -6,10 +6,10 @@ use crate::maths::eight::{read_rgb8, write8};
 use crate::maths::sobol::{self, PixelKeys};
 use crate::sampler::batch::{Batch8, Integrand, MAX_RADIANCE, Rgb8, Wave};
 use crate::sampler::estimate::Estimator;
-use crate::sampler::film::arrivals::{Arrivals, GROUP, Sums, samples};
+use crate::sampler::film::arrivals::{Arrivals, GROUP, Sample, Sums, samples};
 use crate::sampler::film::{Layout, Planes, Tile};
 use core::ops::Range;
-use wide::{f32x4, f32x8, u32x8};
+use wide::{f32x8, u32x8};
 
 /// Samples a job has at least, the last one of an iteration excepted.
 const JOB_SAMPLES: u64 = 4096;
@@ -191,21 +191,11 @@ impl<'a> Job<'a> {
         let tile = context.layout.tile(tile_number);
         let (planned, index) = (planes.planned[0], context.index(planes.drawn[0]));
         let next = Place { pixel: 0, number: 0, planned, tile, tile_number, dx, dy, index };
-        let last = Accepting { pixel: 0, left: 0, fair_end: 0, sums: Sums::default(), rejected: 0 };
+        let mut last = Accepting { pixel: 0, left: 0, fair_end: 0, sums: Sums::default(), rejected: 0 };
+        last.start(&context, &planes, 0);
         let arrivals = Arrivals::NONE;
         let first_tile = tile_number;
-        let mut job =
-            Job { planes, context, first_tile, samples, filled: 0, accepted: 0, next, last, arrivals };
-        job.last = job.accepting(0, 0);
-        job
-    }
-
-    /// The state before the first sample of `pixel` is accepted.
-    #[inline(always)]
-    fn accepting(&self, pixel: usize, rejected: u64) -> Accepting {
-        let left = self.planes.planned[pixel];
-        let own = self.context.own(left, self.planes.drawn[pixel]);
-        Accepting { pixel, left, fair_end: left - own, sums: Sums::default(), rejected }
+        Job { planes, context, first_tile, samples, filled: 0, accepted: 0, next, last, arrivals }
     }
 
     /// Number of samples planned.
@@ -359,31 +349,55 @@ impl<'a> Job<'a> {
 
     /// Takes samples, of which those with a bit in `usable` enter the film.
     #[inline(always)]
-    fn accept_batch(&mut self, samples: &[f32x4], usable: u32) {
-        let mut last = self.last;
-        for (lane, sample) in samples.iter().enumerate() {
-            while last.left == 0 {
-                let next = last.pixel + 1;
-                if next.is_multiple_of(GROUP) {
-                    self.merge_before(next);
-                }
-                last = self.accepting(next, last.rejected);
+    fn accept_batch(&mut self, samples: &[Sample], usable: u32) {
+        let (mut samples, mut usable) = (samples, usable);
+        let sound = usable & !(!0 << samples.len()) == !(!0 << samples.len());
+        while !samples.is_empty() {
+            while self.last.left == 0 {
+                self.accept_next();
             }
-            if usable >> lane & 1 == 1 {
-                last.sums.add(*sample);
+            // All that are of this pixel and, if they are, of the estimator's own mean.
+            let last = &mut self.last;
+            let due = if last.left > last.fair_end { last.left - last.fair_end } else { last.left };
+            let (run, others) = samples.split_at((due as usize).min(samples.len()));
+            if sound {
+                last.sums.extend(run);
             } else {
-                last.rejected += 1;
+                last.rejected += u64::from(last.sums.extend_by_bits(run, usable));
+                usable >>= run.len();
             }
-            last.left -= 1;
-            if last.left == last.fair_end {
-                self.set_fair(&last);
+            last.left -= run.len() as u32;
+            if last.left == last.fair_end || last.left == 0 {
+                self.arrive();
             }
-            if last.left == 0 {
-                let planned = self.planes.planned[last.pixel];
-                self.arrivals.set(last.pixel % GROUP, &last.sums, planned);
-            }
+            samples = others;
         }
-        self.last = last;
+    }
+
+    /// Lets the samples of a pixel so far into the estimator's own mean, all of them into its moments.
+    #[inline(always)]
+    fn arrive(&mut self) {
+        let last = &self.last;
+        let (i, planned, moments) =
+            (last.pixel % GROUP, self.planes.planned[last.pixel], last.sums.moments());
+        if last.left == last.fair_end {
+            let taken = planned - last.fair_end;
+            let share = self.context.own_share(taken, self.planes.drawn[last.pixel]);
+            self.arrivals.set_fair(i, moments.mean_of(taken), share);
+        }
+        if last.left == 0 {
+            self.arrivals.set(i, &moments, planned);
+        }
+    }
+
+    /// Goes on to the next pixel.
+    #[inline(always)]
+    fn accept_next(&mut self) {
+        let next = self.last.pixel + 1;
+        if next.is_multiple_of(GROUP) {
+            self.merge_before(next);
+        }
+        self.last.start(&self.context, &self.planes, next);
     }
 
     /// Merges the group of pixels that ends before `end` into the film.
@@ -393,17 +407,19 @@ impl<'a> Job<'a> {
         self.arrivals = Arrivals::NONE;
     }
 
-    /// Lets the samples of a pixel so far into the estimator's own mean.
-    #[inline(always)]
-    fn set_fair(&mut self, last: &Accepting) {
-        let taken = self.planes.planned[last.pixel] - last.fair_end;
-        let share = self.context.own_share(taken, self.planes.drawn[last.pixel]);
-        self.arrivals.set_fair(last.pixel % GROUP, last.sums.mean_of(taken), share);
-    }
-
     /// Samples accepted so far.
     pub fn tally(&self) -> Tally {
         Tally { samples: self.accepted - self.last.rejected, rejected: self.last.rejected }
+    }
+}
+
+impl Accepting {
+    /// Brings it before the first sample of `pixel`.
+    #[inline(always)]
+    fn start(&mut self, context: &Context, planes: &Planes<'_>, pixel: usize) {
+        (self.pixel, self.left) = (pixel, planes.planned[pixel]);
+        self.fair_end = self.left - context.own(self.left, planes.drawn[pixel]);
+        self.sums.clear();
     }
 }
 

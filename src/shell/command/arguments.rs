@@ -14,6 +14,7 @@ use pmcip::frame::settings::{
     Method, Startup,
 };
 use pmcip::scene::{LightChoice, MAX_SIZE};
+use std::io::IsTerminal;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -151,14 +152,8 @@ pub struct Render {
     /// Print one JSON object instead of words; with --frames one line for each frame
     #[arg(long)]
     pub json: bool,
-    /// How to tell how far the render is [default: bar, or json with --json where stderr is no terminal]
-    ///
-    /// A line of JSON has "event": "progress", the number of the frame (with --frames), `done` of the whole render (0 to 1),
-    /// `samples` and `spp` of this frame, `seconds`, `seconds_left` and `estimated_err`, which are null as long as they are not
-    /// known: at each frame's begin and end, and at most once a second. What is estimated is what --target-err means, now and
-    /// then, and of pictures up to 8 megapixels.
-    #[arg(long, value_enum, value_name = "FORM", conflicts_with = "quiet", verbatim_doc_comment)]
-    pub progress: Option<Form>,
+    #[command(flatten)]
+    pub watch: Watch,
 }
 
 /// Arguments of `guide`.
@@ -271,6 +266,8 @@ pub struct Bake {
     /// Print one JSON object instead of words
     #[arg(long)]
     pub json: bool,
+    #[command(flatten)]
+    pub watch: Watch,
 }
 
 /// Arguments of `reference`.
@@ -287,6 +284,35 @@ pub struct Reference {
     /// Print one JSON object instead of words
     #[arg(long)]
     pub json: bool,
+    #[command(flatten)]
+    pub watch: Watch,
+}
+
+/// How what takes long is watched.
+#[derive(Debug, Args)]
+pub struct Watch {
+    /// How to tell how far the work is [default: bar, or json with --json where stderr is no terminal]
+    ///
+    /// A line of JSON has "event": "progress", the number of the frame (of `render --frames`), `done` of the whole work (0 to
+    /// 1), `samples` and `spp` of this frame, `seconds`, `seconds_left` and `estimated_err`, which are null as long as they are
+    /// not known: at each frame's begin and end, and at most once a second. What is estimated is what --target-err means, now
+    /// and then, and of pictures up to 8 megapixels, by `render` and `reference`. The whole of `bake` are the samples of the
+    /// lightmap, that of `compare` those of the reference and all methods together.
+    #[arg(long, value_enum, value_name = "FORM", conflicts_with = "quiet", verbatim_doc_comment)]
+    pub progress: Option<Form>,
+}
+
+impl Watch {
+    /// How the work tells how far it is: where nobody says, in lines for programs if the result is for them and stderr is read by
+    /// no person.
+    pub fn form(&self, json: bool, quiet: bool) -> Option<Form> {
+        let is_for_programs = json && !std::io::stderr().is_terminal();
+        match (self.progress, quiet) {
+            (None, true) => None,
+            (None, false) if is_for_programs => Some(Form::Json),
+            (chosen, _) => chosen.or(Some(Form::Bar)),
+        }
+    }
 }
 
 /// A scene and its light.
@@ -394,6 +420,8 @@ pub struct Compare {
     /// Print the report as JSON instead of the table of ratios
     #[arg(long)]
     pub json: bool,
+    #[command(flatten)]
+    pub watch: Watch,
 }
 
 /// Arguments of `error`.

@@ -3,7 +3,7 @@
 use super::arguments::Bake;
 use super::common::{Failure, admit, bad, blame, failed, print_json, say};
 use super::load::Loader;
-use super::progress;
+use super::progress::{Progress, Work};
 use pmcip::bake::atlas::{Atlas, Fineness};
 use pmcip::bake::check::{Check, check};
 use pmcip::bake::light::{Lightmap, bake};
@@ -121,10 +121,16 @@ fn work(
     atlas: &Atlas<'_>,
     settings: &Settings,
 ) -> Result<Lightmap, Failure> {
-    let bar = progress::bar(atlas.used() as u64, u64::from(settings.spp), arguments.quiet);
+    let whole = Work { pixels: atlas.used() as u64, spp: settings.spp.into(), ..Work::default() };
+    let progress = Progress::new(arguments.watch.form(arguments.json, arguments.quiet), whole, 1);
     let core = Scene::new(scene.data()).map_err(bad)?;
-    let lightmap = bake(atlas, core, settings, arguments.threads, &|samples| bar.inc(samples));
-    bar.finish_and_clear();
+    progress.begin(None);
+    progress.add(0);
+    let lightmap = bake(atlas, core, settings, arguments.threads, &|samples| progress.add(samples));
+    if lightmap.is_ok() {
+        progress.end();
+    }
+    progress.clear();
     lightmap.map_err(blame)
 }
 

@@ -2,10 +2,11 @@
 
 use super::arguments::Common;
 use super::print::Rendered;
-use super::progress;
+use super::progress::Progress;
+use super::values::Form;
 use pmcip::error::Error;
 use pmcip::frame::probe;
-use pmcip::frame::render::{self, Frame};
+use pmcip::frame::render::{self, Frame, Learner, Run};
 use pmcip::frame::settings::{Method, Settings};
 use pmcip::scene::{Eye, LoadedScene};
 use pmcip_core::sampler::Tally;
@@ -90,11 +91,28 @@ pub fn path_settings(scene: &LoadedScene, common: &Common, method: Method, spp: 
     settings
 }
 
-pub fn work(scene: &LoadedScene, settings: &Settings, common: &Common) -> Result<Frame, Failure> {
+/// Renders a frame that nothing can interrupt.
+pub fn work(
+    scene: &LoadedScene,
+    settings: &Settings,
+    common: &Common,
+    form: Option<Form>,
+) -> Result<Frame, Failure> {
     look(scene, settings, common)?;
-    let bar = progress::bar(settings.pixels(), u64::from(settings.spp), common.quiet);
-    let frame = render::render(scene, settings, common.threads, &|samples| bar.inc(samples));
-    bar.finish_and_clear();
+    let progress = Progress::new(form, settings.into(), 1);
+    let learner: &mut dyn Learner = &mut ();
+    let (add, mut estimate) = (|samples| progress.add(samples), |err| progress.estimate(err));
+    progress.begin(None);
+    let run = Run {
+        threads: common.threads,
+        estimates: if progress.is_told() { Some(&mut estimate) } else { None },
+        ..Run::watched(&add, learner)
+    };
+    let frame = render::render_while(scene, settings, run, &mut |_| Ok(true));
+    if frame.is_ok() {
+        progress.end();
+    }
+    progress.clear();
     frame.map_err(blame)
 }
 

@@ -3,7 +3,7 @@
 use super::arguments::Compare;
 use super::common::{Failure, admit, bad, blame, failed, note, path_settings, print_json, say, settings};
 use super::load::load;
-use super::progress;
+use super::progress::{Progress, Work};
 use pmcip::compare::report::{FILES, Report};
 use pmcip::compare::{self, Comparison, Moving, Other, Plan, Shot, Stage, Still, reference};
 use pmcip::error::Error;
@@ -31,10 +31,11 @@ pub fn compare_methods(arguments: &Compare) -> Result<(), Failure> {
 fn compare_still(arguments: &Compare, scene: &LoadedScene) -> Result<(), Failure> {
     let base = settings(scene, &arguments.common, Method::Uniform, None)?;
     let others = read_others(arguments, &base)?;
-    let reference = find_reference(scene, &base, arguments)?;
+    let (plan, progress) = begin(arguments, base, 1);
+    let reference = find_reference(scene, &base, arguments, &progress)?;
     let mut stage =
         Still(Shot { scene, base, reference: &reference.picture, noise: reference.energy_noise() });
-    let (plan, mut comparison) = run_plan(arguments, &mut stage, base)?;
+    let mut comparison = run_plan(&mut stage, &plan, &progress)?;
     for (other, picture) in others {
         comparison.add(other, picture, &stage.0).map_err(blame)?;
     }
@@ -64,25 +65,35 @@ fn compare_sequence(
     let references = arguments.reference.clone().unwrap_or(own);
     let reference = Picture::default();
     let mut stage = Moving { animation, frames: frames.clone(), base: &base, references, reference };
-    let reference = find_references(arguments, &mut stage)?;
     let (_, base) = stage.seek(*frames.start()).map_err(blame)?;
-    let (plan, comparison) = run_plan(arguments, &mut stage, base)?;
+    let (plan, progress) = begin(arguments, base, frames.count());
+    let reference = find_references(arguments, &mut stage, &progress)?;
+    let comparison = run_plan(&mut stage, &plan, &progress)?;
     finish_report(arguments, Report::new(stage.animation.scene(), &plan, &reference, &comparison))?;
     admit(arguments.common.quiet, comparison.tally)
 }
 
+/// What is to be rendered of so many frames beside the references, and how far all of it is.
+fn begin(arguments: &Compare, base: Settings, frames: usize) -> (Plan, Progress) {
+    let Compare { common, reference, reference_spp, watch, json, .. } = arguments;
+    let plan = Plan::new(&arguments.methods, &arguments.spp, arguments.runs, base, common.threads);
+    let references = if reference.is_some() { 0 } else { u64::from(*reference_spp) * frames as u64 };
+    let spp = references + plan.total_spp(frames);
+    let whole = Work { pixels: base.pixels(), spp, ..Work::default() };
+    let progress = Progress::new(watch.form(*json, common.quiet), whole, 1);
+    progress.begin(None);
+    progress.add(0);
+    (plan, progress)
+}
+
 /// Renders and measures everything.
-fn run_plan(
-    arguments: &Compare,
-    stage: &mut dyn Stage,
-    base: Settings,
-) -> Result<(Plan, Comparison), Failure> {
-    let plan = Plan::new(&arguments.methods, &arguments.spp, arguments.runs, base, arguments.common.threads);
-    let frames = stage.frames().count();
-    let bar = progress::bar(base.pixels(), plan.total_spp(frames), arguments.common.quiet);
-    let comparison = compare::run(stage, &plan, &|samples| bar.inc(samples));
-    bar.finish_and_clear();
-    Ok((plan, comparison.map_err(blame)?))
+fn run_plan(stage: &mut dyn Stage, plan: &Plan, progress: &Progress) -> Result<Comparison, Failure> {
+    let comparison = compare::run(stage, plan, &|samples| progress.add(samples));
+    if comparison.is_ok() {
+        progress.end();
+    }
+    progress.clear();
+    comparison.map_err(blame)
 }
 
 fn finish_report(arguments: &Compare, report: Report) -> Result<(), Failure> {
@@ -109,6 +120,7 @@ fn find_reference(
     scene: &LoadedScene,
     base: &Settings,
     arguments: &Compare,
+    progress: &Progress,
 ) -> Result<reference::Reference, Failure> {
     use reference::Reference;
     let (common, spp) = (&arguments.common, arguments.reference_spp);
@@ -119,26 +131,26 @@ fn find_reference(
     match Reference::find(&file, scene, base, spp) {
         Ok(reference) => {
             note(common, format!("uses the reference in {}", reference.file.display()));
+            progress.skip(base.pixels() * u64::from(spp));
             Ok(reference)
         }
         Err(reason) => {
             note(common, format!("renders the reference with {spp} samples a pixel: {reason}"));
-            let bar = progress::bar(base.pixels(), u64::from(spp), common.quiet);
-            let inc = |samples| bar.inc(samples);
-            let reference = Reference::render(&file, scene, base, spp, common.threads, &inc);
-            bar.finish_and_clear();
-            reference.map_err(blame)
+            let add = |samples| progress.add(samples);
+            Reference::render(&file, scene, base, spp, common.threads, &add).map_err(blame)
         }
     }
 }
 
 /// Makes sure that every frame has its reference, and returns that of the first.
-fn find_references(arguments: &Compare, stage: &mut Moving) -> Result<reference::Reference, Failure> {
+fn find_references(
+    arguments: &Compare,
+    stage: &mut Moving,
+    progress: &Progress,
+) -> Result<reference::Reference, Failure> {
     use reference::Reference;
     let (common, spp) = (&arguments.common, arguments.reference_spp);
     let frames = stage.frames();
-    let pixels = stage.seek(*frames.start()).map_err(blame)?.1.pixels();
-    let bar = progress::bar(pixels, u64::from(spp) * frames.clone().count() as u64, common.quiet);
     let (mut first, mut reused) = (None, 0);
     for frame in frames.clone() {
         let file = reference::of_frame(&stage.references, frame);
@@ -147,17 +159,16 @@ fn find_references(arguments: &Compare, stage: &mut Moving) -> Result<reference:
             Some(_) => Reference::read(&file, &base, scene.cd_per_unit).map_err(blame)?,
             None => match Reference::find(&file, scene, &base, spp) {
                 Ok(found) => {
-                    bar.inc(pixels * u64::from(spp));
+                    progress.skip(base.pixels() * u64::from(spp));
                     reused += 1;
                     found
                 }
-                Err(_) => Reference::render(&file, scene, &base, spp, common.threads, &|n| bar.inc(n))
+                Err(_) => Reference::render(&file, scene, &base, spp, common.threads, &|n| progress.add(n))
                     .map_err(blame)?,
             },
         };
         first.get_or_insert(found);
     }
-    bar.finish_and_clear();
     if arguments.reference.is_none() {
         let rendered = frames.count() - reused;
         note(

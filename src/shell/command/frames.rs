@@ -6,7 +6,7 @@ use super::kept::{Kept, attributes};
 use super::load::load;
 use super::print::Rendered;
 use super::progress::Progress;
-use super::render::{form, output_name, render_settings};
+use super::render::{output_name, render_settings};
 use super::signals::Signals;
 use pmcip::animation::motion;
 use pmcip::animation::sequence::{self, List, State};
@@ -98,7 +98,11 @@ pub fn render_frames(arguments: &Render, list: &List) -> Result<(), Failure> {
     sequence.prepare()?;
     let settings = render_settings(sequence.animation.scene(), arguments)?;
     let missing = sequence.frames.len() - kept.len();
-    let progress = Progress::new(form(arguments), &settings, missing);
+    let progress = Progress::new(
+        arguments.watch.form(arguments.json, arguments.common.quiet),
+        (&settings).into(),
+        missing,
+    );
     for frame in sequence.frames.clone() {
         let is_there = kept.contains(&frame) && sequence.keep(frame)?;
         if !is_there {

@@ -31,7 +31,7 @@ impl Loader<'_> {
         trial: impl Fn(&LoadedScene) -> Settings,
     ) -> Result<Animation, Failure> {
         let Source { scene: path, light, strict, sky } = self.source;
-        let mut options = Options { strict: *strict, light: *light, eye: self.eye };
+        let mut options = Options { strict: *strict, light: *light, eye: self.eye, ..Options::default() };
         if let Some(file) = sky {
             return self.under_sky(options, file);
         }

@@ -1,7 +1,8 @@
-//! How far the work is: a bar on a terminal, and lines for programs that watch a render.
+//! How far the work is: a bar on a terminal, and lines for programs that watch.
 
 use super::values::Form;
-use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
+use pmcip::frame::schedule::Target;
 use pmcip::frame::settings::Settings;
 use serde::Serialize;
 use std::io::Write as _;
@@ -15,16 +16,6 @@ const BARS: Duration = Duration::from_millis(100);
 /// Steps of the bar.
 const STEPS: f64 = 1e4;
 
-/// A bar for frames of `pixels` pixels with `spp` samples in each of them in all; silent if `quiet` or not on a terminal.
-pub fn bar(pixels: u64, spp: u64, quiet: bool) -> ProgressBar {
-    let rate = move |state: &ProgressState, out: &mut dyn std::fmt::Write| {
-        // A terminal that cannot be written to has nobody to tell.
-        let _ = write!(out, "{:.1} spp/s", state.per_sec() / pixels as f64);
-    };
-    let style = style("{bar:40} {percent:>3} %  {rate}  {eta} left  {msg}").with_key("rate", rate);
-    on_terminal(pixels * spp, quiet).with_style(style)
-}
-
 fn on_terminal(length: u64, quiet: bool) -> ProgressBar {
     match quiet {
         true => ProgressBar::hidden(),
@@ -36,7 +27,27 @@ fn style(template: &str) -> ProgressStyle {
     ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar())
 }
 
-/// How far a render of one or more frames is.
+/// What is to be done for a frame, or whatever is the whole of the work.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Work {
+    /// Pixels, or texels in use.
+    pub pixels: u64,
+    /// Samples of each.
+    pub spp: u64,
+    /// Most seconds, if there is a limit.
+    pub seconds: Option<f32>,
+    /// Err to come to, if there is one.
+    pub target: Option<Target>,
+}
+
+impl From<&Settings> for Work {
+    fn from(settings: &Settings) -> Work {
+        let Settings { spp, seconds, target, .. } = *settings;
+        Work { pixels: settings.pixels(), spp: spp.into(), seconds, target }
+    }
+}
+
+/// How far the work on one or more frames is.
 ///
 /// A frame is done as far as its samples are, its time is over, or Err has come near to its target, whichever is most: Err
 /// falls as 1/samples. What is left takes as long for each part as what has been done since the first sample, without what was
@@ -45,8 +56,8 @@ pub struct Progress {
     form: Option<Form>,
     bar: ProgressBar,
     frames: usize,
-    /// Of all frames.
-    settings: Settings,
+    /// On each of them.
+    work: Work,
     begun: Instant,
     state: Mutex<State>,
 }
@@ -92,13 +103,12 @@ struct Line {
 }
 
 impl Progress {
-    /// Of `frames` frames with these settings, told in a form; not at all in none.
-    pub fn new(form: Option<Form>, settings: &Settings, frames: usize) -> Progress {
+    /// Of `frames` frames, told in a form; not at all in none.
+    pub fn new(form: Option<Form>, work: Work, frames: usize) -> Progress {
         let bar = on_terminal(STEPS as u64, form != Some(Form::Bar));
         let bar = bar.with_style(style("{bar:40} {percent:>3} %  {msg}"));
         let form = form.filter(|form| *form != Form::Bar || !bar.is_hidden());
-        let (settings, begun) = (*settings, Instant::now());
-        Progress { form, bar, frames: frames.max(1), settings, begun, state: Mutex::default() }
+        Progress { form, bar, frames: frames.max(1), work, begun: Instant::now(), state: Mutex::default() }
     }
 
     /// Whether somebody is told.
@@ -132,6 +142,12 @@ impl Progress {
         }
     }
 
+    /// There are so many samples more, which were there already; not the first of a frame.
+    pub fn skip(&self, samples: u64) {
+        self.state().given += samples as f64 / (self.work.pixels as f64 * self.work.spp as f64);
+        self.add(samples);
+    }
+
     /// An estimate of the frame's Err.
     pub fn estimate(&self, err: f64) {
         self.state().estimated_err = Some(err);
@@ -156,8 +172,8 @@ impl Progress {
 
     /// The part of a frame that is done.
     fn part(&self, state: &State, sampling: Instant) -> f64 {
-        let Settings { spp, seconds, target, .. } = &self.settings;
-        let by_samples = state.samples as f64 / (self.settings.pixels() as f64 * f64::from(*spp));
+        let Work { pixels, spp, seconds, target } = &self.work;
+        let by_samples = state.samples as f64 / (*pixels as f64 * *spp as f64);
         let by_time = seconds.map_or(0.0, |limit| sampling.elapsed().as_secs_f64() / f64::from(limit));
         let by_err = target.zip(state.estimated_err).map_or(0.0, |(target, err)| f64::from(target.err) / err);
         by_samples.max(by_time).max(by_err)
@@ -198,7 +214,7 @@ impl Progress {
             frame: state.frame,
             done: (1e4 * done).floor() / 1e4,
             samples: state.samples,
-            spp: (1e4 * state.samples as f64 / self.settings.pixels() as f64).round() / 1e4,
+            spp: (1e4 * state.samples as f64 / self.work.pixels as f64).round() / 1e4,
             seconds: (1e3 * seconds).round() / 1e3,
             seconds_left: left.or((done >= 1.0).then_some(0.0)).map(|left| left.round()),
             estimated_err: state.estimated_err,

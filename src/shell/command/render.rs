@@ -8,13 +8,11 @@ use super::load::load;
 use super::print::Rendered;
 use super::progress::Progress;
 use super::signals::Signals;
-use super::values::Form;
 use pmcip::frame::schedule::{MOST_SPP, Target};
 use pmcip::frame::settings::Settings;
 use pmcip::picture::{frame_io, output};
 use pmcip::scene::LoadedScene;
 use pmcip_core::sampler::estimate::Estimator;
-use std::io::IsTerminal;
 use std::path::PathBuf;
 
 pub fn render_frame(arguments: &Render) -> Result<(), Failure> {
@@ -25,7 +23,8 @@ pub fn render_frame(arguments: &Render) -> Result<(), Failure> {
     let settings = render_settings(&scene, arguments)?;
     look(&scene, &settings, &arguments.common)?;
     let signals = Signals::catch();
-    let progress = Progress::new(form(arguments), &settings, 1);
+    let progress =
+        Progress::new(arguments.watch.form(arguments.json, arguments.common.quiet), (&settings).into(), 1);
     let mut kept = Kept::new(&exr, attributes(&scene, &settings), arguments);
     progress.begin(None);
     let frame = kept.render(&scene, &settings, &mut (), &signals, &progress)?;
@@ -44,17 +43,6 @@ pub fn render_frame(arguments: &Render) -> Result<(), Failure> {
 /// The file that is asked for, or one named after the scene.
 pub fn output_name(arguments: &Render, scene: &LoadedScene) -> PathBuf {
     arguments.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.exr", scene.name)))
-}
-
-/// How the render tells how far it is: where nobody says, in lines for programs if the result is for them and stderr is read by
-/// no person.
-pub fn form(arguments: &Render) -> Option<Form> {
-    let is_for_programs = arguments.json && !std::io::stderr().is_terminal();
-    match (arguments.progress, arguments.common.quiet) {
-        (None, true) => None,
-        (None, false) if is_for_programs => Some(Form::Json),
-        (chosen, _) => chosen.or(Some(Form::Bar)),
-    }
 }
 
 /// The settings of `render`.

@@ -3,8 +3,8 @@
 use super::layers;
 use super::settings::{Layer, Settings};
 use crate::error::Error;
+use crate::machine::{free_memory, giga};
 use pmcip_core::sampler::estimate::Estimator;
-use sysinfo::{MemoryRefreshKind, RefreshKind, System};
 
 /// Bytes that a frame takes at most at once, without the scene and the files' buffers; `judged` if its Err is estimated.
 fn needed(settings: &Settings, judged: bool) -> u64 {
@@ -31,22 +31,13 @@ fn needed(settings: &Settings, judged: bool) -> u64 {
     settings.pixels().saturating_mul(pixel)
 }
 
-/// Bytes of memory that are free, if the system tells.
-fn available() -> Option<u64> {
-    let memory = RefreshKind::nothing().with_memory(MemoryRefreshKind::everything());
-    let system = System::new_with_specifics(memory).ok()?;
-    let free = system.available_memory().saturating_add(system.free_swap());
-    let allowed = system.cgroup_limits().map_or(u64::MAX, |limits| limits.free_memory);
-    Some(free.min(allowed)).filter(|bytes| *bytes > 0)
-}
-
 /// Refuses a frame for which there is not enough memory, which systems that promise more than they have would not: they
 /// end the program in the middle of its work.
 ///
 /// # Errors
 /// [`Error::Work`] that says how much is needed and how much there is.
 pub(crate) fn require(settings: &Settings, judged: bool) -> Result<(), Error> {
-    match available() {
+    match free_memory() {
         Some(available) => enough(settings, needed(settings, judged), available),
         None => Ok(()),
     }
@@ -56,7 +47,6 @@ fn enough(settings: &Settings, needed: u64, available: u64) -> Result<(), Error>
     if needed <= available {
         return Ok(());
     }
-    let giga = |bytes: u64| format!("{:.1} GB", bytes as f64 / 1e9);
     let (width, height) = (settings.sampler.width, settings.sampler.height);
     Err(Error::Work(format!(
         "not enough memory: {width}×{height} pixels need {}, {} are free",

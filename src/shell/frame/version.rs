@@ -6,4 +6,4 @@
 /// References and frames on disk are used again only if their hash of the scene is the one wanted, and this number is
 /// part of it. `tests/picture_version.rs` renders small pictures and fails when their bits have changed and this
 /// number has not.
-pub const PICTURE_VERSION: u32 = 9;
+pub const PICTURE_VERSION: u32 = 10;

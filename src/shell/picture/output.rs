@@ -6,8 +6,8 @@
 //! What a killed run has left under such a name is removed by the next run that writes the same file, but never the file
 //! of a run that is alive, on whatever machine: `.NAME.HOST.PROCESS.NUMBER.part` is locked as long as somebody writes it, and
 //! the system takes the lock from who is killed. A part without a lock is removed if it is of this machine, or if nobody has
-//! written to it for an hour: folders are shared by machines between which locks may not hold. Where there are no locks at
-//! all, parts stay.
+//! written to it for an hour: folders are shared by machines between which locks may not hold (tried on local file systems alone:
+//! NFS was not at hand). Where there are no locks at all, parts stay.
 
 use crate::error::Error;
 use std::fs::{self, DirEntry, File};

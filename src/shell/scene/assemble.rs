@@ -7,6 +7,7 @@ use super::object::{Corner, Extras, NO_UVS, Object, Piece};
 use super::options::{LightChoice, Options};
 use super::place::Placement;
 use super::pose::{self, Geometry};
+use super::room::{Kind as Taker, Room};
 use super::script::{ObjectTrack, Script};
 use super::sky::SkyMap;
 use super::texture::TextureCache;
@@ -46,7 +47,7 @@ impl Default for Shot {
 }
 
 /// A scene in the making.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Assembly {
     /// Whether a line that means nothing is an error.
     pub strict: bool,
@@ -59,14 +60,42 @@ pub(super) struct Assembly {
     /// Materials of single triangles by that of their object and the bits of their mean radiance.
     glows: HashMap<(u32, [u32; 3]), u32>,
     pub textures: TextureCache,
+    /// Room for all of it.
+    pub room: Room,
+    /// Materials that there is room for.
+    housed: usize,
     warnings: Vec<String>,
     warned: HashSet<String>,
 }
 
 impl Assembly {
     /// Nothing yet.
-    pub fn new(strict: bool) -> Assembly {
-        Assembly { strict, ..Assembly::default() }
+    pub fn new(options: &Options) -> Assembly {
+        let room = Room::new(options.memory);
+        Assembly {
+            strict: options.strict,
+            objects: Vec::new(),
+            materials: Vec::new(),
+            names: HashMap::new(),
+            normal_maps: HashMap::new(),
+            glows: HashMap::new(),
+            textures: TextureCache::new(room.clone()),
+            room,
+            housed: 0,
+            warnings: Vec::new(),
+            warned: HashSet::new(),
+        }
+    }
+
+    /// Asks for room for so many triangles, before they are made, and for the materials that there are by now.
+    ///
+    /// # Errors
+    /// If there is not enough, or was not for a picture.
+    pub fn ask_for(&mut self, triangles: usize) -> Result<(), String> {
+        self.textures.check()?;
+        self.room.take(self.materials.len() - self.housed, Taker::Materials)?;
+        self.housed = self.materials.len();
+        self.room.take(triangles, Taker::Triangles)
     }
 
     /// Adds a material and returns its index.
@@ -183,6 +212,7 @@ impl Assembly {
         options: &Options,
         mut script: Script,
     ) -> Result<Animation, Error> {
+        self.ask_for(0).map_err(|message| Error::in_file(path, message))?;
         let blame = |message| Error::in_file(path, message);
         let frame = script.first_frame();
         let placements = script.placements(frame).map_err(blame)?;

@@ -56,7 +56,7 @@ fn add_mesh(assembly: &mut Assembly, path: &Path, material: Option<u32>) -> Resu
 
 /// An OBJ as a scene of its own: default film, a camera framed on it, lights from its materials.
 fn bare_obj(path: &Path, options: &Options) -> Result<Animation, Error> {
-    let mut assembly = Assembly::new(options.strict);
+    let mut assembly = Assembly::new(options);
     obj::add_mesh(&mut assembly, path, None)?;
     assembly.finish(path, Shot::default(), options, Script::still(1))
 }

@@ -149,6 +149,7 @@ mod options;
 mod place;
 mod pose;
 mod rig;
+mod room;
 mod script;
 mod shapes;
 mod sky;

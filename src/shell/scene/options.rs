@@ -41,6 +41,9 @@ pub struct Options {
     pub light: LightChoice,
     /// From where the lamp by the camera shines.
     pub eye: Eye,
+    /// Bytes of memory that it may take while it is loaded; none: as many as are free. Triangles, texels and whatever a short
+    /// file can make many of are counted before they are made, and a scene that needs more is an error.
+    pub memory: Option<u64>,
 }
 
 impl Eye {

@@ -13,6 +13,11 @@ pub(super) fn sphere(subdivisions: u32) -> Vec<[Corner; 3]> {
     triangles.into_iter().map(|t| t.map(corner)).collect()
 }
 
+/// How many triangles [`sphere`] makes.
+pub(super) fn sphere_len(subdivisions: u32) -> usize {
+    20 << (2 * subdivisions)
+}
+
 /// The square of corners (±1, ±1, 0), its front along z.
 pub(super) fn square() -> [[Corner; 3]; 2] {
     let [a, b, c, d] = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]

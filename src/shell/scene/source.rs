@@ -1,5 +1,6 @@
 //! Text of files as people have them: byte-order marks, UTF-16, Latin-1; and what a file is that is no text at all.
 
+use crate::machine::{free_memory, giga};
 use std::path::Path;
 use std::{fs, io};
 
@@ -12,12 +13,25 @@ pub(super) fn check_regular(path: &Path) -> io::Result<()> {
     if what.is_file() || what.is_dir() { Ok(()) } else { Err(io::Error::other("it is no regular file")) }
 }
 
+/// From this size on it is asked whether there is memory for a file: a file with holes can claim any size.
+const LARGE: u64 = 1 << 26;
+
 /// The bytes of a file.
 ///
 /// # Errors
-/// If it cannot be read or is no regular file.
+/// If it cannot be read, is no regular file, or larger than the memory that is free.
 pub(super) fn bytes(path: &Path) -> io::Result<Vec<u8>> {
-    check_regular(path).and_then(|()| fs::read(path))
+    check_regular(path)?;
+    let size = fs::metadata(path)?.len();
+    let free = if size < LARGE { None } else { free_memory() };
+    match free.filter(|free| *free < size) {
+        Some(free) => Err(io::Error::other(format!(
+            "not enough memory: the file has {}, {} are free",
+            giga(size),
+            giga(free)
+        ))),
+        None => fs::read(path),
+    }
 }
 
 /// The text of a file: UTF-8, UTF-16 by its mark or its zeros, else Latin-1.

@@ -1,5 +1,6 @@
 //! Textures: pictures in every format that `image` reads, sRGB or linear on disk, linear in memory, each file once.
 
+use super::room::{Kind, Lease, Room};
 use super::{openexr, source};
 use image::{DynamicImage, ImageFormat, ImageReader, Rgba32FImage};
 use pmcip_core::tracer::scene::Texture;
@@ -75,9 +76,15 @@ pub(super) struct Loaded {
     pub alpha: Option<u32>,
 }
 
+/// Texels in memory for each of a picture while it is made linear: as it was read, and four numbers in single precision.
+const WORKED_ON: usize = 2;
+
 /// All textures of a scene.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct TextureCache {
+    room: Room,
+    /// Why there was no room for a picture.
+    refusal: Option<String>,
     /// Sheets by file and purpose: the picture, and its alpha; or why there is none.
     sheets: HashMap<(PathBuf, [u32; 4]), Result<Sheets, String>>,
     /// Textures by first texel and lay.
@@ -87,6 +94,26 @@ pub(super) struct TextureCache {
 }
 
 impl TextureCache {
+    /// None yet.
+    pub fn new(room: Room) -> TextureCache {
+        TextureCache {
+            room,
+            refusal: None,
+            sheets: HashMap::new(),
+            by_lay: HashMap::new(),
+            textures: Vec::new(),
+            texels: Vec::new(),
+        }
+    }
+
+    /// Whether there was room for all pictures so far.
+    ///
+    /// # Errors
+    /// If there was not: a scene that looks otherwise for lack of memory is of no use.
+    pub fn check(&self) -> Result<(), String> {
+        self.refusal.clone().map_or(Ok(()), Err)
+    }
+
     /// The picture in a file, which is read if it is new; the error says why it cannot be used.
     pub fn load(&mut self, path: &Path, purpose: Purpose, lay: Lay) -> Result<Loaded, String> {
         let name = path.canonicalize().map_err(|e| e.to_string())?;
@@ -115,8 +142,10 @@ impl TextureCache {
 
     fn keep(&mut self, picture: DynamicImage, purpose: Purpose) -> Result<Sheets, String> {
         let linear_already = is_linear(&picture);
+        let (width, height) = (picture.width(), picture.height());
+        let lease = Lease::new(&self.room);
+        self.fits(width, height, lease.take(WORKED_ON * width as usize * height as usize, Kind::Texels))?;
         let picture = picture.into_rgba32f();
-        let (width, height) = picture.dimensions();
         let pixels = || picture.pixels().map(|pixel| pixel.0);
         let alphas = || pixels().map(|[.., a]| a);
         // What is transparent everywhere has its alpha by mistake.
@@ -158,6 +187,13 @@ impl TextureCache {
         Ok((sheet, alpha))
     }
 
+    /// Remembers if there is no room for a picture.
+    fn fits(&mut self, width: u32, height: u32, room: Result<(), String>) -> Result<(), String> {
+        let room = room.map_err(|message| format!("a picture of {width}×{height}: {message}"));
+        self.refusal = self.refusal.take().or_else(|| room.as_ref().err().cloned());
+        room
+    }
+
     /// Keeps texels.
     fn sheet(
         &mut self,
@@ -168,6 +204,7 @@ impl TextureCache {
         if width == 0 || height == 0 {
             return Err("it has no pixels".to_owned());
         }
+        self.fits(width, height, self.room.take(width as usize * height as usize, Kind::Texels))?;
         let first = u32::try_from(self.texels.len()).map_err(|_| "too many texels".to_owned())?;
         self.texels.extend(texels);
         Ok(Sheet { width, height, first })

@@ -1,22 +1,31 @@
 //! New samples on their way into the film: one pixel's are summed, then eight pixels at a time are merged.
 
 use super::planes::Planes;
-use crate::maths::colour::luminance8;
+use crate::maths::colour::{luminance8, squared_luminance};
 use crate::maths::eight::{count8, read8, write8};
 use crate::sampler::batch::Rgb8;
 use core::ops::Range;
-use wide::{f32x4, f32x8};
+use wide::f32x8;
 
 /// Pixels that are merged together: more than eight, so that what was written lane by lane has arrived in memory
 /// when it is read as vectors.
 pub(crate) const GROUP: usize = 32;
 
-/// Colour and luminance of eight samples, sample by sample.
+/// The colour of a sample: red, green, blue, nothing, green, blue, red, nothing, so that the sums of its squares and of products
+/// of two are those of one vector.
+pub(crate) type Sample = f32x8;
+
+/// Eight samples, sample by sample.
 #[inline(always)]
-pub(crate) fn samples(rgb: &Rgb8) -> [f32x4; 8] {
-    let light = luminance8([rgb.r, rgb.g, rgb.b]).to_array();
-    let (r, g, b) = (rgb.r.to_array(), rgb.g.to_array(), rgb.b.to_array());
-    core::array::from_fn(|i| f32x4::from([r[i], g[i], b[i], light[i]]))
+pub(crate) fn samples(rgb: &Rgb8) -> [Sample; 8] {
+    f32x8::transpose([rgb.r, rgb.g, rgb.b, f32x8::ZERO, rgb.g, rgb.b, rgb.r, f32x8::ZERO])
+}
+
+/// Squares of red, green, blue, and red times green, green times blue, blue times red.
+#[inline(always)]
+fn products(one: Sample, other: Sample) -> f32x8 {
+    let [r, g, b, none, ..] = one.to_array();
+    f32x8::from([r, g, b, none, r, g, b, none]) * other
 }
 
 /// Samples that are summed before the sums are merged: the error of a sum in single precision grows with its length.
@@ -25,68 +34,123 @@ const CHUNK: u32 = 256;
 /// Moments of samples of a pixel.
 ///
 /// A chunk of them is summed relative to its first, so that neither needs a division a sample nor cancels: however far
-/// the first one is off, it is one of the deviations that are summed. Full chunks are merged into `before`.
+/// the first one is off, it is one of the deviations that are summed. Luminances are those of deviations, never deviations of
+/// luminances, which are rounded to what single precision has at the offset that all samples share: near each other colours are
+/// subtracted exactly (Sterbenz). Sums of the six products of two of the three colours have the squared luminances in them. Full
+/// chunks are merged into `before`.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Sums {
     before: Moments,
     count: u32,
-    first: f32x4,
-    sum: f32x4,
-    squares: f32x4,
+    first: Sample,
+    /// Of deviations from the first; not yet of meaning while that is the only one.
+    sum: Sample,
+    /// Of their [`products`].
+    products: f32x8,
 }
 
-/// Number, mean and sum of squared deviations, of colour and luminance.
+/// Number, mean colour and sum of squared deviations of luminance.
 #[derive(Clone, Copy, Debug, Default)]
-struct Moments {
+pub(crate) struct Moments {
     count: u32,
-    mean: f32x4,
-    m2: f32x4,
+    mean: Sample,
+    m2: f32,
 }
 
 impl Moments {
+    /// Mean of `taken` samples, where those that were not added count as black.
+    #[inline(always)]
+    pub fn mean_of(&self, taken: u32) -> Sample {
+        if self.count == taken {
+            return self.mean;
+        }
+        self.mean * f32x8::splat(self.count as f32 / taken as f32)
+    }
+
     /// Those of two sets of samples together (Chan).
     fn merged(self, other: Moments) -> Moments {
         let count = self.count + other.count;
-        let share = f32x4::splat(other.count as f32 / count.max(1) as f32);
+        let share = other.count as f32 / count.max(1) as f32;
         let delta = other.mean - self.mean;
-        let between = delta * delta * share * f32x4::splat(self.count as f32);
-        Moments { count, mean: self.mean + delta * share, m2: self.m2 + other.m2 + between }
+        let between = squared_luminance(products(delta, delta)) * share * self.count as f32;
+        let mean = self.mean + delta * f32x8::splat(share);
+        Moments { count, mean, m2: self.m2 + other.m2 + between }
     }
 }
 
 impl Sums {
-    /// Adds a sample.
+    /// Begins anew, without a sample.
     #[inline(always)]
-    pub fn add(&mut self, sample: f32x4) {
-        if self.count == 0 {
-            self.first = sample;
+    pub fn clear(&mut self) {
+        (self.count, self.before.count) = (0, 0);
+    }
+
+    /// Adds samples, at least one.
+    #[inline(always)]
+    pub fn extend(&mut self, samples: &[Sample]) {
+        if self.count + samples.len() as u32 <= CHUNK {
+            self.add(samples);
+        } else {
+            self.extend_by_bits(samples, !0);
         }
-        let delta = sample - self.first;
-        self.sum += delta;
-        self.squares += delta * delta;
-        self.count += 1;
-        if self.count == CHUNK {
-            *self = Sums { before: self.moments(), ..Sums::default() };
+    }
+
+    /// Adds those of some samples that have a bit in `usable`, and returns how many have none.
+    #[cold]
+    pub fn extend_by_bits(&mut self, samples: &[Sample], usable: u32) -> u32 {
+        let mut rejected = 0;
+        for (i, sample) in samples.iter().enumerate() {
+            if self.count == CHUNK {
+                (self.before, self.count) = (self.moments(), 0);
+            }
+            match usable >> i & 1 {
+                1 => self.add(core::slice::from_ref(sample)),
+                _ => rejected += 1,
+            }
         }
+        rejected
+    }
+
+    /// Adds samples, at least one, that do not go beyond the chunk.
+    #[inline(always)]
+    fn add(&mut self, samples: &[Sample]) {
+        let (before, mut others) = (self.count, samples);
+        self.count += samples.len() as u32;
+        if before == 0 {
+            (self.first, others) = (samples[0], &samples[1..]);
+        }
+        if others.is_empty() {
+            return;
+        }
+        let (mut sum, mut squares) = (f32x8::ZERO, f32x8::ZERO);
+        if before > 1 {
+            (sum, squares) = (self.sum, self.products);
+        }
+        for sample in others {
+            let delta = *sample - self.first;
+            sum += delta;
+            squares += products(delta, delta);
+        }
+        (self.sum, self.products) = (sum, squares);
     }
 
     /// Moments of all samples.
     #[inline(always)]
-    fn moments(&self) -> Moments {
-        let mean = self.sum * f32x4::splat(1.0 / self.count.max(1) as f32);
-        let m2 = (self.squares - self.sum * mean).max(f32x4::ZERO);
-        let chunk = Moments { count: self.count, mean: self.first + mean, m2 };
+    pub fn moments(&self) -> Moments {
+        let chunk = self.moments_of_chunk();
         if self.before.count == 0 { chunk } else { self.before.merged(chunk) }
     }
 
-    /// Mean of `taken` samples, where those that were not added count as black.
+    /// Moments of the samples since the last full chunk.
     #[inline(always)]
-    pub fn mean_of(&self, taken: u32) -> f32x4 {
-        let moments = self.moments();
-        if moments.count == taken {
-            return moments.mean;
+    fn moments_of_chunk(&self) -> Moments {
+        if self.count <= 1 {
+            let mean = if self.count == 0 { f32x8::ZERO } else { self.first };
+            return Moments { count: self.count, mean, m2: 0.0 };
         }
-        moments.mean * f32x4::splat(moments.count as f32 / taken as f32)
+        let mean = self.sum * f32x8::splat(1.0 / self.count as f32);
+        let m2 = squared_luminance(self.products - products(self.sum, mean)).max(0.0);
+        Moments { count: self.count, mean: self.first + mean, m2 }
     }
 }
 
@@ -113,20 +177,18 @@ impl Arrivals {
         share: [0.0; GROUP],
     };
 
-    /// Sets what has arrived at pixel `i` of the group: `sums` are those of the usable ones of `taken` samples.
+    /// Sets what has arrived at pixel `i` of the group: `moments` are those of the usable ones of `taken` samples.
     #[inline(always)]
-    pub fn set(&mut self, i: usize, sums: &Sums, taken: u32) {
-        let moments = sums.moments();
-        let [r, g, b, _] = moments.mean.to_array();
-        let [_, _, _, m2] = moments.m2.to_array();
-        (self.taken[i], self.count[i], self.m2[i]) = (taken, moments.count, m2);
+    pub fn set(&mut self, i: usize, moments: &Moments, taken: u32) {
+        let [r, g, b, ..] = moments.mean.to_array();
+        (self.taken[i], self.count[i], self.m2[i]) = (taken, moments.count, moments.m2);
         (self.mean[0][i], self.mean[1][i], self.mean[2][i]) = (r, g, b);
     }
 
     /// Sets that the estimator's own mean of pixel `i` of the group moves by `share` towards `mean`.
     #[inline(always)]
-    pub fn set_fair(&mut self, i: usize, mean: f32x4, share: f32) {
-        let [r, g, b, _] = mean.to_array();
+    pub fn set_fair(&mut self, i: usize, mean: Sample, share: f32) {
+        let [r, g, b, ..] = mean.to_array();
         (self.fair[0][i], self.fair[1][i], self.fair[2][i], self.share[i]) = (r, g, b, share);
     }
 
@@ -184,6 +246,10 @@ mod tests {
     use std::vec;
     use std::vec::Vec;
 
+    fn eight([r, g, b]: [f32; 3]) -> Sample {
+        f32x8::from([r, g, b, 0.0, g, b, r, 0.0])
+    }
+
     /// Sample `i` of pixel `p`; the first of every third pixel is a firefly.
     fn sample(p: usize, i: usize) -> [f32; 3] {
         let boost = if i == 0 && p.is_multiple_of(3) { 1e4 } else { 1.0 };
@@ -200,10 +266,9 @@ mod tests {
             for p in 0..pixels {
                 let mut sums = Sums::default();
                 range.clone().for_each(|i| {
-                    let rgb = sample(p, i);
-                    sums.add(f32x4::from([rgb[0], rgb[1], rgb[2], luminance(rgb)]));
+                    sums.extend(&[eight(sample(p, i))]);
                 });
-                arrivals.set(p, &sums, range.len() as u32);
+                arrivals.set(p, &sums.moments(), range.len() as u32);
             }
             arrivals.merge(&mut planes, 0, false);
         }
@@ -225,15 +290,15 @@ mod tests {
             let value = |i: u32| if i == 0 { 1e4 } else { (hash(i) >> 8) as f32 / 16_777_216.0 };
             let (mut sums, mut mean, mut square) = (Sums::default(), 0.0, 0.0);
             for i in 0..length {
-                sums.add(f32x4::splat(value(i)));
+                sums.extend(&[eight([value(i); 3])]);
                 let value = f64::from(value(i));
                 (mean, square) = (mean + value, square + value * value);
             }
             mean /= f64::from(length);
             let variance = square / f64::from(length) - mean * mean;
             let found = sums.moments();
-            let found_mean = f64::from(found.mean.to_array()[3]);
-            let found_variance = f64::from(found.m2.to_array()[3]) / f64::from(length);
+            let found_mean = f64::from(found.mean.to_array()[1]);
+            let found_variance = f64::from(found.m2) / f64::from(length);
             assert_eq!(found.count, length);
             assert!((found_mean / mean - 1.0).abs() < 1e-4, "{length}: mean {found_mean}, not {mean}");
             assert!(

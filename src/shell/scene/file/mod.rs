@@ -12,6 +12,7 @@ use crate::scene::error::{Error, read};
 use crate::scene::model::Frames;
 use crate::scene::object::Corner;
 use crate::scene::options::Options;
+use crate::scene::room::{Kind as Taker, Room};
 use crate::scene::script::{CameraPath, Script};
 use crate::scene::shapes;
 use crate::scene::source::looks_like_obj;
@@ -64,7 +65,8 @@ pub(super) fn load_scene(path: &Path, add_mesh: AddMesh, options: &Options) -> R
     scene.check_keys().map_err(blame)?;
     let frames = scene.frames().map_err(blame)?;
     let mut script = Script { frames, shutter: scene.shutter(), moving: scene.moves(), ..Script::default() };
-    let mut assembly = Assembly::new(options.strict);
+    let mut assembly = Assembly::new(options);
+    scene.ask_for_spheres(&assembly.room).map_err(blame)?;
     let mut names = BTreeMap::new();
     for (name, table) in &scene.materials {
         let index = assembly.add_named(table.material(), name);
@@ -145,6 +147,15 @@ impl SceneFile {
         }
     }
 
+    /// Asks for room for all spheres, before any is made.
+    fn ask_for_spheres(&self, room: &Room) -> Result<(), Fault> {
+        self.spheres.iter().try_for_each(|sphere| {
+            let (offset, count) = (sphere.subdivisions_at(), shapes::sphere_len(sphere.splits()));
+            let room = room.take(count, Taker::Triangles);
+            room.map_err(|message| (offset, format!("subdivisions: {message}")))
+        })
+    }
+
     /// Checks the order of all keys.
     fn check_keys(&self) -> Result<(), Fault> {
         self.camera.iter().try_for_each(|camera| keys::check(&camera.get_ref().keys))?;
@@ -201,9 +212,18 @@ impl SceneFile {
 }
 
 impl SphereTable {
-    fn triangles(&self) -> Vec<[Corner; 3]> {
+    fn splits(&self) -> u32 {
         const DEFAULT_SUBDIVISIONS: u32 = 6;
-        shapes::sphere(self.subdivisions.map_or(DEFAULT_SUBDIVISIONS, |s| s.0))
+        self.subdivisions.as_ref().map_or(DEFAULT_SUBDIVISIONS, |s| s.get_ref().0)
+    }
+
+    /// Where the number of subdivisions stands, or else the sphere.
+    fn subdivisions_at(&self) -> usize {
+        self.subdivisions.as_ref().map_or(self.material.span().start, |s| s.span().start)
+    }
+
+    fn triangles(&self) -> Vec<[Corner; 3]> {
+        shapes::sphere(self.splits())
     }
 }
 

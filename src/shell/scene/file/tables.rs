@@ -90,7 +90,7 @@ pub(super) struct MeshTable {
 pub(super) struct SphereTable {
     pub center: Point,
     pub radius: Positive,
-    pub subdivisions: Option<Subdivisions>,
+    pub subdivisions: Option<Spanned<Subdivisions>>,
     pub material: Spanned<String>,
     #[serde(default)]
     pub interpolation: Interpolation,

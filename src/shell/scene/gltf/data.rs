@@ -3,6 +3,7 @@
 
 use super::uri::{Place, resolve};
 use crate::scene::error::Error;
+use crate::scene::room::{Kind, Lease, Room};
 use crate::scene::source;
 use gltf::accessor::{DataType, Dimensions, Item, Iter};
 use gltf::{Accessor, Document, buffer};
@@ -13,6 +14,8 @@ pub(super) struct Data {
     buffers: Vec<Vec<u8>>,
     /// Bytes in all of them.
     total: usize,
+    /// Room for them and for what is read from them.
+    pub lease: Lease,
 }
 
 impl Data {
@@ -20,8 +23,13 @@ impl Data {
     ///
     /// # Errors
     /// If one is not there, may not be read, or has fewer bytes than it says.
-    pub fn read(path: &Path, document: &Document, mut binary: Option<Vec<u8>>) -> Result<Data, Error> {
-        let mut buffers = Vec::new();
+    pub fn read(
+        path: &Path,
+        document: &Document,
+        mut binary: Option<Vec<u8>>,
+        room: &Room,
+    ) -> Result<Data, Error> {
+        let (mut buffers, lease) = (Vec::new(), Lease::new(room));
         for (number, buffer) in document.as_json().buffers.iter().enumerate() {
             let blame = |message: String| Error::in_file(path, format!("buffer {number}: {message}"));
             let bytes = match &buffer.uri {
@@ -38,10 +46,11 @@ impl Data {
             if claimed > bytes.len() as u64 {
                 return Err(blame(format!("{} of {claimed} bytes are there", bytes.len())));
             }
+            lease.take(bytes.len(), Kind::Bytes).map_err(blame)?;
             buffers.push(bytes);
         }
         let total = buffers.iter().map(Vec::len).sum();
-        Ok(Data { buffers, total })
+        Ok(Data { buffers, total, lease })
     }
 
     /// The bytes of a view.
@@ -122,7 +131,8 @@ impl Data {
 
     /// What an accessor holds, which has been checked to be there.
     fn items<T: Item>(&self, accessor: &Accessor<'_>) -> Result<Iter<'_, T>, String> {
-        self.check(accessor).map_err(|message| self.wrong(accessor, &message))?;
+        let room = || self.lease.take(accessor.count() * accessor.dimensions().multiplicity(), Kind::Numbers);
+        self.check(accessor).and_then(|()| room()).map_err(|message| self.wrong(accessor, &message))?;
         let buffer = |buffer: buffer::Buffer<'_>| self.buffers.get(buffer.index()).map(Vec::as_slice);
         Iter::new(accessor.clone(), buffer).ok_or_else(|| self.wrong(accessor, "it has no data"))
     }

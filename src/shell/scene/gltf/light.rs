@@ -107,6 +107,12 @@ impl Lights {
         }
     }
 
+    /// How many triangles all lamps are made of.
+    fn triangles(&self) -> usize {
+        let shells = self.lamps.iter().filter(|lamp| lamp.cone.is_some()).count();
+        shapes::sphere_len(SUBDIVISIONS) * self.lamps.len() + Shell::TRIANGLES * shells
+    }
+
     /// Adds the lamps as objects to an assembly of which `paths` says what its objects do over time.
     pub fn add_lamps(
         &self,
@@ -114,7 +120,8 @@ impl Lights {
         assembly: &mut Assembly,
         paths: &mut Vec<ObjectTrack>,
         track: impl Fn(usize) -> ObjectTrack,
-    ) {
+    ) -> Result<(), String> {
+        assembly.ask_for(self.triangles())?;
         let place = |track: &ObjectTrack| track.at(0.0).unwrap_or(Placement::IDENTITY);
         let placements: Vec<Placement> = paths.iter().map(place).collect();
         let tracks: Vec<ObjectTrack> = self.lamps.iter().map(|lamp| track(lamp.node)).collect();
@@ -140,6 +147,7 @@ impl Lights {
             }
             paths.push(track);
         }
+        Ok(())
     }
 
     /// Light from afar, not seen by itself; none if there is none.
@@ -197,6 +205,11 @@ struct Shell {
 }
 
 impl Shell {
+    const SIDES: u32 = 48;
+    const RINGS: u32 = 12;
+    /// The last ring of quads is one of triangles.
+    const TRIANGLES: usize = (Shell::SIDES * (2 * Shell::RINGS - 1)) as usize;
+
     /// Through the hole all of the sphere is seen up to the inner angle, nothing from the outer one on: the edge of the
     /// sphere is seen past that of the hole under an angle of asin(radius of the sphere).
     fn new((inner, outer): (f32, f32)) -> Shell {
@@ -205,8 +218,8 @@ impl Shell {
 
     /// Triangles of the shell of this radius.
     fn triangles(&self, radius: f32) -> Vec<[Corner; 3]> {
-        const SIDES: u32 = 48;
-        const RINGS: u32 = 12;
+        const SIDES: u32 = Shell::SIDES;
+        const RINGS: u32 = Shell::RINGS;
         // Triangles are chords: at their middles the hole is as wide as it should be.
         let wide = self.hole.tan() / (PI / SIDES as f32).cos();
         let edge = if self.hole < 1.5 { wide.atan() } else { self.hole };

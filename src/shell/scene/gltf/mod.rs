@@ -27,6 +27,7 @@ use super::assemble::{Assembly, Shot};
 use super::error::Error;
 use super::notes::Notes;
 use super::options::Options;
+use super::room::Room;
 use super::script::{ObjectTrack, Script};
 use container::Container;
 use data::Data;
@@ -51,9 +52,9 @@ struct File<'a> {
 }
 
 impl<'a> File<'a> {
-    fn open(path: &'a Path) -> Result<File<'a>, Error> {
+    fn open(path: &'a Path, room: &Room) -> Result<File<'a>, Error> {
         let mut container = container::open(path)?;
-        let data = Data::read(path, &container.document, container.binary.take())?;
+        let data = Data::read(path, &container.document, container.binary.take(), room)?;
         let graph = graph::read(&container.document, motion::FPS).map_err(|m| Error::in_file(path, m))?;
         let mut file = File { path, container, data, graph, notes: Notes::default() };
         file.name_unknown();
@@ -78,8 +79,8 @@ impl<'a> File<'a> {
         }
     }
 
-    /// The meshes of all nodes shown.
-    fn meshes(&mut self) -> Result<Vec<Standing>, Error> {
+    /// The meshes of all nodes shown, for which there is room.
+    fn meshes(&mut self, assembly: &mut Assembly) -> Result<Vec<Standing>, Error> {
         let nodes: Vec<_> = self.container.document.nodes().collect();
         let mut read: HashMap<usize, Rc<Vec<Option<Part>>>> = HashMap::new();
         let mut standing = Vec::new();
@@ -97,9 +98,9 @@ impl<'a> File<'a> {
             standing.push(Standing { node, mesh: mesh.index(), parts });
         }
         let count = |standing: &Standing| standing.parts.iter().flatten().map(Part::len).sum::<usize>();
-        match standing.iter().map(count).sum() {
-            0usize => Err(Error::in_file(self.path, "no triangles")),
-            _ => Ok(standing),
+        match standing.iter().map(count).fold(0, usize::saturating_add) {
+            0 => Err(Error::in_file(self.path, "no triangles")),
+            count => assembly.ask_for(count).map_err(|m| Error::in_file(self.path, m)).map(|()| standing),
         }
     }
 
@@ -146,13 +147,13 @@ struct Standing {
 /// # Errors
 /// If it cannot be read or understood, or holds no triangle.
 pub(super) fn scene(path: &Path, options: &Options) -> Result<Animation, Error> {
-    let mut file = File::open(path)?;
+    let mut assembly = Assembly::new(options);
+    let mut file = File::open(path, &assembly.room)?;
     let document = &file.container.document;
     let frames = motion::animate(document, &file.data, &mut file.graph.rig, &mut file.notes);
     let frames = frames.map_err(|m| Error::in_file(path, m))?;
     let rig = Arc::new(file.graph.rig.clone());
-    let standing = file.meshes()?;
-    let mut assembly = Assembly::new(options.strict);
+    let standing = file.meshes(&mut assembly)?;
     let mut paths = Vec::new();
     file.add(&standing, None, &mut assembly, |assembly, each| {
         let home = mesh::home_of(&[(&each.parts, DAffine3::IDENTITY)]);
@@ -163,7 +164,7 @@ pub(super) fn scene(path: &Path, options: &Options) -> Result<Animation, Error> 
     let rigid = |node| ObjectTrack::Rigid { rig: Arc::clone(&rig), node };
     let (document, shown) = (&file.container.document, &file.graph.shown);
     let lights = Lights::read(document, shown, rigid, &mut file.notes);
-    lights.add_lamps(path, &mut assembly, &mut paths, rigid);
+    lights.add_lamps(path, &mut assembly, &mut paths, rigid).map_err(|m| Error::in_file(path, m))?;
     lights.name(&mut file.notes);
     let (camera, shot) = camera::read(document, shown, &rig, &mut file.notes);
     let moving = paths.iter().any(|path| match path {
@@ -180,8 +181,8 @@ pub(super) fn scene(path: &Path, options: &Options) -> Result<Animation, Error> 
 /// # Errors
 /// If it cannot be read or understood, or holds no triangle.
 pub(super) fn add_mesh(assembly: &mut Assembly, path: &Path, material: Option<u32>) -> Result<(), Error> {
-    let mut file = File::open(path)?;
-    let standing = file.meshes()?;
+    let mut file = File::open(path, &assembly.room)?;
+    let standing = file.meshes(assembly)?;
     let places: Vec<_> =
         standing.iter().map(|each| (&*each.parts, file.graph.rig.at(each.node, 0.0))).collect();
     let home = mesh::home_of(&places);

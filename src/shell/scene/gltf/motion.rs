@@ -7,6 +7,7 @@ use crate::scene::channel::{Blend, Channel, Key};
 use crate::scene::model::Frames;
 use crate::scene::notes::Notes;
 use crate::scene::rig::Rig;
+use crate::scene::room::Kind;
 use gltf::animation::{Interpolation, Property};
 use gltf::{Animation, Document};
 use std::collections::HashSet;
@@ -75,6 +76,7 @@ fn add(animation: &Animation<'_>, data: &Data, rig: &mut Rig, notes: &mut Notes)
             Interpolation::CubicSpline => Blend::Cubic,
         };
         let times = data.fractions(&sampler.input())?;
+        data.lease.take(times.len(), Kind::Keys)?;
         let moves = &mut rig.joints[target.node().index()].moves;
         let good = match target.property() {
             Property::Translation => {

@@ -47,6 +47,8 @@ pub(super) fn add_mesh(assembly: &mut Assembly, path: &Path, material: Option<u3
         None => mtl::load(path, &obj, assembly)?,
     };
     complaints.warn(assembly);
+    let triangles = obj.corners.len() - 2 * obj.faces.len();
+    assembly.ask_for(triangles).map_err(|message| Error::in_file(path, message))?;
     obj.add_to(assembly, path, &indices, material);
     Ok(())
 }
