@@ -16,7 +16,8 @@ pub use feature::Feature;
 pub use filter::{Band, Filter};
 pub use pictures::Pictures;
 
-use super::estimate::{self, Energy, Estimator, Lanes};
+use super::estimate::resolve::Kind;
+use super::estimate::{Energy, Estimator, Lanes, Lent, Resolving};
 use super::{Error, Sampler};
 
 impl Sampler<'_> {
@@ -37,6 +38,20 @@ impl Sampler<'_> {
         scratch: &mut [Lanes],
         out: &mut [[f32; 3]],
     ) -> Result<(), Error> {
+        self.resolving_guided(guide, scratch, out).map(drop)
+    }
+
+    /// [`resolve_guided`](Self::resolve_guided) in parts that can be worked on by any threads: see
+    /// [`resolve`](crate::sampler::estimate::resolve).
+    ///
+    /// # Errors
+    /// As `resolve_guided`.
+    pub fn resolving_guided<'r>(
+        &'r self,
+        guide: &'r [[f32; 3]],
+        scratch: &'r mut [Lanes],
+        out: &'r mut [[f32; 3]],
+    ) -> Result<Resolving<'r>, Error> {
         if !self.state.settings.estimator.serves(Estimator::Balanced) {
             return Err(Error::Estimator);
         }
@@ -57,16 +72,30 @@ impl Sampler<'_> {
         scratch: &mut [Lanes],
         out: &mut [[f32; 3]],
     ) -> Result<(), Error> {
+        self.leveling(guide, scratch, out).map(drop)
+    }
+
+    /// [`level`](Self::level) in parts that can be worked on by any threads: see
+    /// [`resolve`](crate::sampler::estimate::resolve).
+    ///
+    /// # Errors
+    /// As `level`.
+    pub fn leveling<'r>(
+        &'r self,
+        guide: &'r [[f32; 3]],
+        scratch: &'r mut [Lanes],
+        out: &'r mut [[f32; 3]],
+    ) -> Result<Resolving<'r>, Error> {
         self.give(guide, Energy::All, scratch, out)
     }
 
-    fn give(
-        &self,
-        guide: &[[f32; 3]],
+    fn give<'r>(
+        &'r self,
+        guide: &'r [[f32; 3]],
         energy: Energy,
-        scratch: &mut [Lanes],
-        out: &mut [[f32; 3]],
-    ) -> Result<(), Error> {
+        scratch: &'r mut [Lanes],
+        out: &'r mut [[f32; 3]],
+    ) -> Result<Resolving<'r>, Error> {
         self.at_rest()?;
         let needed = Self::resolve_scratch(self.state.settings.width, self.state.settings.height);
         let scratch = scratch.get_mut(..needed).ok_or(Error::Scratch)?;
@@ -76,7 +105,9 @@ impl Sampler<'_> {
         if out.len() != self.layout.pixels() {
             return Err(Error::Output);
         }
-        estimate::lent(&self.layout, &self.planes, guide, energy, scratch, out);
-        Ok(())
+        let width = self.layout.width() as usize;
+        let lent = Lent { planes: &self.planes, picture: guide, width, energy };
+        let (labels, kind) = (self.planes.label, Kind::Lent(lent));
+        Ok(Resolving::new(self.layout, labels, kind, energy.radii(), scratch, out))
     }
 }
