@@ -3,7 +3,7 @@
 //! Memory while it is made, besides the features: 100 bytes a pixel and a margin for the filter, 16 for the guide.
 
 use super::memory::zeros;
-use super::threads::each;
+use super::threads::{self, each};
 use crate::error::Error;
 use pmcip_core::sampler::Sampler;
 use pmcip_core::sampler::guide::{Band, Feature, Filter};
@@ -37,10 +37,12 @@ pub fn resolve(
 ) -> Result<(), Error> {
     let mut filtered = filtered(film, features, pool)?;
     let mut scratch = zeros(Sampler::resolve_scratch(filtered.size.0, filtered.size.1))?;
-    film.level(&filtered.rgb, &mut scratch, rgb).map_err(Error::setting)?;
+    threads::resolve(pool, film.leveling(&filtered.rgb, &mut scratch, rgb).map_err(Error::setting)?);
     filtered.rgb.copy_from_slice(rgb);
     change(&mut filtered)?;
-    film.resolve_guided(&filtered.rgb, &mut scratch, rgb).map_err(Error::setting)
+    let resolving = film.resolving_guided(&filtered.rgb, &mut scratch, rgb).map_err(Error::setting)?;
+    threads::resolve(pool, resolving);
+    Ok(())
 }
 
 /// The film, filtered.
