@@ -370,10 +370,9 @@ impl Counting {
             false => self.shares.divide_open(self.before, target, planned),
         }
         let Some(fair) = self.fair else { return };
-        for (((planned, target), drawn), i) in
-            planned.iter_mut().zip(target).zip(&seen.drawn[first..]).zip(first..)
-        {
-            *planned += if *target == CLOSED { 0 } else { fair.missing(i, *drawn) };
+        let pixels = planned.iter_mut().zip(target).zip(&seen.drawn[first..]);
+        for (k, ((planned, target), drawn)) in pixels.enumerate() {
+            *planned += if *target == CLOSED { 0 } else { fair.missing(first + k, *drawn) };
         }
     }
 }

@@ -4,6 +4,9 @@
 //! the iteration into runs of tiles that can be rendered by any thread in any order, [`Sampler::end`] checks
 //! that all were. The same settings, samples and integrand give the same bits on any number of threads.
 //!
+//! Beginning and resolving are for one thread; where that is too slow, [`Sampler::beginning`] and [`Sampler::resolving`] hand
+//! them out in parts, too: see [`begin`] and [`estimate::resolve`].
+//!
 //! ```
 //! use pmcip_core::sampler::batch::{Batch8, Integrand, Rgb8};
 //! use pmcip_core::sampler::{Memory, Sampler, Schedule, Settings, Workspace};
