@@ -41,6 +41,8 @@ use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
 /// Batches that [`Film::render`] hands an integrand at once.
 const BATCHES: usize = 64;
+/// Rows that a thread writes at once.
+const ROWS: usize = 8;
 
 /// A sampler and its memory.
 #[derive(Clone, Debug)]
@@ -253,7 +255,8 @@ impl Film {
                 bands.into_par_iter().for_each(|mut band| band.filter());
                 filter.next();
             }
-            filter.write(&mut guide)?;
+            let parts = guide.chunks_mut(ROWS * width as usize).enumerate().collect::<Vec<_>>();
+            parts.into_par_iter().try_for_each(|(part, rows)| filter.write_rows(part * ROWS, rows))?;
             sampler.leveling(&guide, &mut scratch, &mut level).map(resolve_on_all)
         })?;
         self.resolve_guided(&level)

@@ -3,6 +3,7 @@
 use pmcip_core::predict::{Belief, Prior};
 use pmcip_core::sampler::batch::{Batch8, Integrand, Rgb8};
 use pmcip_core::sampler::estimate::resolve;
+use pmcip_core::sampler::guide::Filter;
 use pmcip_core::sampler::{Error, Estimator, Memory, Mode, Sampler, Settings, Workspace, begin};
 use std::sync::Mutex;
 use wide::f32x8;
@@ -247,4 +248,38 @@ fn what_is_refused_changes_nothing() {
     assert_eq!(sampler.beginning(64, Prior::Beliefs(&[])).err(), Some(Error::Begun));
     let (mut scratch, mut out) = ([[0.0; 16]; 6], [0.0; 192]);
     assert_eq!(sampler.resolving(Estimator::Pooled, &mut scratch, &mut out).err(), Some(Error::Running));
+}
+
+/// A filter's picture by rows, in any pieces, is the same; what is no row of it is refused.
+#[test]
+fn rows_of_a_filter_are_its_picture() {
+    let (width, height) = (21usize, 13);
+    let settings = Settings::new(width as u32, height as u32).for_frame(2, 8);
+    let required = Sampler::required(settings.width, settings.height);
+    let (mut floats, mut words) = (vec![0.0; required.floats], vec![0; required.words]);
+    let memory = Memory { floats: &mut floats, words: &mut words };
+    let mut sampler = Sampler::new(settings, memory).unwrap();
+    let (mut batches, mut radiance) = ([Batch8::default(); 64], [Rgb8::default(); 64]);
+    let mut work = Workspace::new(&mut batches, &mut radiance).unwrap();
+    sampler.begin(8 * 21 * 13).unwrap();
+    sampler.jobs().for_each(|mut job| _ = job.render(&mut Noise, &mut work));
+    sampler.end().unwrap();
+    let mut scratch = vec![0.0; Filter::required(settings.width, settings.height)];
+    let mut filter = Filter::new(&sampler, &[], &mut scratch).unwrap();
+    for _ in 0..Filter::PASSES {
+        filter.bands().for_each(|mut band| band.filter());
+        filter.next();
+    }
+    let mut whole = vec![[0.0; 3]; width * height];
+    filter.write(&mut whole).unwrap();
+    for rows in [1, 4, 13] {
+        let mut parts = vec![[f32::NAN; 3]; width * height];
+        for (part, out) in parts.chunks_mut(rows * width).enumerate() {
+            filter.write_rows(part * rows, out).unwrap();
+        }
+        assert_eq!(parts, whole);
+    }
+    for (first, pixels) in [(13, 21), (14, 0), (0, 20), (usize::MAX, 21), (12, 42)] {
+        assert_eq!(filter.write_rows(first, &mut vec![[0.0; 3]; pixels]), Err(Error::Output));
+    }
 }
