@@ -24,10 +24,10 @@ impl Sampler<'_> {
     /// Writes `guide`, given the energy that the fair samples have in every neighbourhood: linear RGB, row by row.
     ///
     /// `guide` is any picture F of this size, rows from the top: filtered samples, another denoiser's work, a blend with
-    /// earlier frames. C = F + a·G((D − F)/Gᵀa) sums to what D sums to, whatever F is (see [`estimate`]); with the mean of
-    /// all samples as F it is [`Estimator::Balanced`], bit by bit. Where a colour of F is not finite or beyond
-    /// [`MAX_RADIANCE`](crate::sampler::MAX_RADIANCE), the pixel's own mean stands in. Scratch as for
-    /// [`resolve`](Self::resolve).
+    /// earlier frames. C = F + a·G((D − F)/Gᵀa) sums to what D sums to, whatever F is (see
+    /// [`estimate`](super::estimate)); with the mean of all samples as F it is [`Estimator::Balanced`], bit by bit. Where a
+    /// colour of F is not finite or beyond [`MAX_RADIANCE`](crate::sampler::MAX_RADIANCE), the pixel's own mean stands in.
+    /// Scratch as for [`resolve`](Self::resolve).
     ///
     /// # Errors
     /// If an iteration is running, the film has not accumulated for [`Estimator::Balanced`], or a slice has the wrong
