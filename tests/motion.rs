@@ -25,7 +25,8 @@ fn scene(camera_keys: &str) -> Animation {
 
 /// The motion of a frame, and that of the frame before it.
 fn motion(animation: &mut Animation, frame: u32) -> (Motion, Motion) {
-    let look = |scene: &LoadedScene, before| Motion::new(scene, &scene.view, before, WIDTH, HEIGHT).unwrap();
+    let look =
+        |scene: &LoadedScene, before| Motion::new(scene, &scene.view, before, (WIDTH, HEIGHT), None).unwrap();
     animation.seek(frame - 1).unwrap();
     let pose = animation.scene().pose(animation.scene().view);
     let before = look(animation.scene(), &pose);
@@ -115,5 +116,5 @@ fn another_scene_is_refused() {
     let animation = scene("");
     let mut pose = animation.scene().pose(animation.scene().view);
     pose.placements.pop();
-    assert!(Motion::new(animation.scene(), &pose.view, &pose, 8, 8).is_err());
+    assert!(Motion::new(animation.scene(), &pose.view, &pose, (8, 8), None).is_err());
 }

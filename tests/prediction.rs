@@ -47,7 +47,7 @@ fn a_still_camera_keeps_everything() {
     let animation = scene("cornell.toml");
     let scene = animation.scene();
     let pose = scene.pose(scene.view);
-    let motion = Motion::new(scene, &scene.view, &pose, SIDE, SIDE).unwrap();
+    let motion = Motion::new(scene, &scene.view, &pose, (SIDE, SIDE), None).unwrap();
     let positions: Vec<_> = motion.sights.iter().map(|sight| sight.before.unwrap_or([f32::NAN; 2])).collect();
     let before: Vec<u32> = (0..SIDE * SIDE).collect();
     let mut after = vec![u32::MAX; before.len()];

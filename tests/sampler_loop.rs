@@ -8,6 +8,8 @@ use pmcip_core::sampler::{
 };
 use wide::f32x8;
 
+mod parts;
+
 /// A disc of noise on a calm slope.
 #[derive(Clone, Copy)]
 struct Disc;

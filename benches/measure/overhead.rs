@@ -1,12 +1,16 @@
 //! The sampler's own cost by the size of the picture: nanoseconds a pixel to begin and to resolve, beside a plain
-//! pass that reads and writes the same bytes, and nanoseconds a sample to hand out and accept. One thread.
+//! pass that reads and writes the same bytes, and nanoseconds a sample to hand out and accept. One thread; then, to begin and
+//! to resolve, several.
 //!
-//! `cargo run --release -p measure -- overhead [RUNS [SPP]]` prints a Markdown table of medians; the sides of each
-//! row alternate, so that a noisy machine hurts them alike.
+//! `cargo run --release -p measure -- overhead [RUNS [SPP [THREADS]]]` prints a Markdown table of medians; the sides of each
+//! row alternate, so that a noisy machine hurts them alike. THREADS is 2 unless told.
 
+use pmcip_core::predict::Prior;
 use pmcip_core::sampler::batch::{Batch8, Integrand, Rgb8};
 use pmcip_core::sampler::film::BYTES_PER_PIXEL;
 use pmcip_core::sampler::{Memory, Sampler, Settings, Workspace};
+use rayon::iter::{ParallelBridge, ParallelIterator};
+use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::hint::black_box;
 use std::time::Instant;
 
@@ -36,33 +40,41 @@ pub fn run(arguments: &[String]) {
     let mut arguments = arguments.iter().map(|a| a.parse::<usize>().expect("a whole number"));
     let runs = arguments.next().unwrap_or(15).max(1);
     let spp = arguments.next().unwrap_or(2).max(1);
+    let threads = arguments.next().unwrap_or(2).max(1);
+    let pool = ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
     println!(
-        "| size | begin ns/px | resolve ns/px | plain pass ns/px | ratio | ns/sample | film, scratch bytes/px |"
+        "| size | begin ns/px | resolve ns/px | plain pass ns/px | ratio | ns/sample | film, scratch bytes/px \
+         | begin, {threads} threads | resolve, {threads} threads |"
     );
-    println!("| --- | --- | --- | --- | --- | --- | --- |");
+    println!("| --- | --- | --- | --- | --- | --- | --- | --- | --- |");
     for (width, height) in SIZES {
         // As many pixels for the small sizes as for the large ones.
         let repeat = (1920 * 1080 / (width * height) as usize).clamp(1, 32);
         let pixels = f64::from(width * height);
-        let costs = measure(width, height, runs.max(3) * repeat, spp as u64);
-        let median = |of: fn(&Cost) -> f64| median(costs.iter().map(of).collect());
+        let costs = measure(width, height, runs.max(3) * repeat, spp as u64, &pool);
+        let median = |of: fn(&Cost) -> f64| median(costs.iter().map(|[one, _]| of(one)).collect());
+        let many = |of: fn(&Cost) -> f64| self::median(costs.iter().map(|[_, many]| of(many)).collect());
         let own = median(|c| c.begin + c.resolve);
         let plain = median(|c| c.plain);
         println!(
-            "| {width}×{height} | {:.2} | {:.2} | {plain:.2} | {:.2} | {:.1} | {BYTES_PER_PIXEL} + {:.2} |",
+            "| {width}×{height} | {:.2} | {:.2} | {plain:.2} | {:.2} | {:.1} | {BYTES_PER_PIXEL} + {:.2} \
+             | {:.2} | {:.2} |",
             median(|c| c.begin),
             median(|c| c.resolve),
             own / plain,
             median(|c| c.samples),
             64.0 * Sampler::resolve_scratch(width, height) as f64 / pixels,
+            many(|c| c.begin),
+            many(|c| c.resolve),
         );
     }
 }
 
-fn measure(width: u32, height: u32, runs: usize, spp: u64) -> Vec<Cost> {
+/// On one thread and on those of the pool, by turns.
+fn measure(width: u32, height: u32, runs: usize, spp: u64, pool: &ThreadPool) -> Vec<[Cost; 2]> {
     let mut film = Film::new(width, height, None);
     film.run(spp); // The first iteration is uniform.
-    (0..runs).map(|_| film.run(spp)).collect()
+    (0..runs).map(|_| [film.run(spp), film.run_on(Some(pool), spp)]).collect()
 }
 
 /// A film with all that its iterations need.
@@ -101,6 +113,11 @@ impl Film {
 
     /// Runs an iteration of `spp` samples a pixel and reads the picture.
     pub(crate) fn run(&mut self, spp: u64) -> Cost {
+        self.run_on(None, spp)
+    }
+
+    /// The same; where there is a pool its threads begin and resolve.
+    fn run_on(&mut self, pool: Option<&ThreadPool>, spp: u64) -> Cost {
         let Film { sampler, batches, radiance, scratch, rgb, plain } = self;
         let mut work = Workspace::new(batches, radiance).expect("not empty");
         let pixels = rgb.len() as u64 / 3;
@@ -109,18 +126,40 @@ impl Film {
             f();
             start.elapsed().as_secs_f64() * 1e9 / count as f64
         };
-        let begin = time(pixels, &mut || sampler.begin(spp * pixels).expect("none is running"));
+        let begin = time(pixels, &mut || begin(pool, sampler, spp * pixels));
         let samples = time(spp * pixels, &mut || {
             sampler.jobs().for_each(|mut job| _ = job.render(&mut Noise, &mut work));
         });
         let end = time(pixels, &mut || _ = sampler.end().expect("all jobs were rendered"));
-        let estimator = sampler.settings().estimator;
-        let resolve = time(pixels, &mut || {
-            sampler.resolve(estimator, scratch, rgb).expect("memory suffices");
-        });
+        let resolve = time(pixels, &mut || resolve(pool, sampler, scratch, rgb));
         let plain = time(pixels, &mut || plain.pass());
         Cost { begin: begin + end, samples, resolve, plain }
     }
+}
+
+/// Begins an iteration on all threads of the pool, on this one alone if there is none.
+fn begin(pool: Option<&ThreadPool>, sampler: &mut Sampler<'_>, samples: u64) {
+    let Some(pool) = pool else { return sampler.begin(samples).expect("none is running") };
+    pool.install(|| {
+        let mut beginning = sampler.beginning(samples, Prior::Beliefs(&[])).expect("none is running");
+        while let Some(parts) = beginning.parts() {
+            parts.par_bridge().for_each(|mut part| part.work());
+        }
+    });
+}
+
+/// Makes the picture likewise.
+fn resolve(pool: Option<&ThreadPool>, sampler: &Sampler<'_>, scratch: &mut [[f32; 16]], rgb: &mut [f32]) {
+    let estimator = sampler.settings().estimator;
+    let Some(pool) = pool else {
+        return sampler.resolve(estimator, scratch, rgb).expect("memory suffices");
+    };
+    pool.install(|| {
+        let mut resolving = sampler.resolving(estimator, scratch, rgb).expect("memory suffices");
+        while let Some(parts) = resolving.parts() {
+            parts.par_bridge().for_each(|mut part| part.work());
+        }
+    });
 }
 
 /// Planes like the film's.

@@ -37,10 +37,11 @@
 //!
 //! * **Memory is lent.** Nothing allocates; each type says how much it needs
 //!   ([`Sampler::required`](sampler::Sampler::required), [`PathTracer::required`](tracer::shade::path::PathTracer::required)).
-//! * **No files, threads or clock.** Jobs of an iteration touch disjoint slices and may run anywhere; the picture
-//!   has the same bits in any order. Functions, points and the sampler have the same bits for every instruction set that
-//!   `wide` is compiled for, too; rays do not, since their walk ([`tracer::trace`]) fuses multiplication and addition where the
-//!   processor can: a picture of the path tracer differs between builds where a hit lies between two triangles.
+//! * **No files, threads or clock.** Jobs of an iteration, and the parts of what comes before and after them, touch disjoint
+//!   slices and may run anywhere; the picture has the same bits in any order. Functions, points and the sampler have the same
+//!   bits for every instruction set that `wide` is compiled for, too; rays do not, since their walk ([`tracer::trace`]) fuses
+//!   multiplication and addition where the processor can: a picture of the path tracer differs between builds where a hit
+//!   lies between two triangles.
 //! * **No panics on data, no `unsafe`.** Calls that can fail return a small error that says what to do.
 //! * **SIMD is chosen at compile time** (the crate `wide`). On x86-64 build with `-C target-cpu=x86-64-v3`, or
 //!   every packet takes two to four times as long.

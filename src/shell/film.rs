@@ -1,7 +1,8 @@
 //! A film that owns its memory: the core's sampler for programs that have an allocator.
 //!
 //! [`Film`] is `'static` and [`Send`]: it can live in a struct, go to another thread, and its work can go to threads that
-//! outlive the frame, as [`Plan`]s.
+//! outlive the frame, as [`Plan`]s. What [`Film`] does itself it does on the threads of the `rayon` pool that the caller is in, or
+//! the global one, with the same bits for any number of them.
 //!
 //! ```
 //! use pmcip::film::Film;
@@ -27,6 +28,7 @@
 
 use crate::error::Error;
 use crate::frame::memory::zeros;
+use crate::frame::threads::{begin_on_all, resolve_on_all};
 use pmcip_core::predict::Prior;
 use pmcip_core::sampler::batch::{Integrand, Rgb8};
 use pmcip_core::sampler::estimate::Estimator;
@@ -39,6 +41,8 @@ use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
 /// Batches that [`Film::render`] hands an integrand at once.
 const BATCHES: usize = 64;
+/// Rows that a thread writes at once.
+const ROWS: usize = 8;
 
 /// A sampler and its memory.
 #[derive(Clone, Debug)]
@@ -128,20 +132,20 @@ impl Film {
         self.state.pixels() as u64
     }
 
-    /// Begins an iteration of `samples` samples: [`Sampler::begin`].
+    /// Begins an iteration of `samples` samples, on all threads: [`Sampler::begin`].
     ///
     /// # Errors
     /// As the core.
     pub fn begin(&mut self, samples: u64) -> Result<(), Error> {
-        self.with(|sampler| sampler.begin(samples))
+        self.begin_predicted(samples, Prior::Beliefs(&[]))
     }
 
-    /// Begins one with what earlier frames tell: [`Sampler::begin_predicted`].
+    /// Begins one with what earlier frames tell, on all threads: [`Sampler::begin_predicted`].
     ///
     /// # Errors
     /// As the core.
     pub fn begin_predicted(&mut self, samples: u64, prior: Prior<'_>) -> Result<(), Error> {
-        self.with(|sampler| sampler.begin_predicted(samples, prior))
+        self.with(|sampler| begin_on_all(sampler, samples, prior))
     }
 
     /// Takes all samples of the running iteration on this thread.
@@ -213,23 +217,25 @@ impl Film {
         self.with(|sampler| sampler.end())
     }
 
-    /// The picture, rows from the top: [`Sampler::resolve`].
+    /// The picture, rows from the top, on all threads: [`Sampler::resolve`].
     ///
     /// # Errors
     /// As the core, or if memory is lacking.
     pub fn resolve(&mut self, estimator: Estimator) -> Result<Vec<[f32; 3]>, Error> {
         let (mut rgb, mut scratch) = (zeros(self.area())?, self.scratch()?);
-        self.with(|sampler| sampler.resolve(estimator, &mut scratch, rgb.as_flattened_mut()))?;
+        self.with(|sampler| {
+            sampler.resolving(estimator, &mut scratch, rgb.as_flattened_mut()).map(resolve_on_all)
+        })?;
         Ok(rgb)
     }
 
-    /// Any picture with the energy of the film: [`Sampler::resolve_guided`].
+    /// Any picture with the energy of the film, on all threads: [`Sampler::resolve_guided`].
     ///
     /// # Errors
     /// As the core, or if memory is lacking.
     pub fn resolve_guided(&mut self, guide: &[[f32; 3]]) -> Result<Vec<[f32; 3]>, Error> {
         let (mut rgb, mut scratch) = (zeros(self.area())?, self.scratch()?);
-        self.with(|sampler| sampler.resolve_guided(guide, &mut scratch, &mut rgb))?;
+        self.with(|sampler| sampler.resolving_guided(guide, &mut scratch, &mut rgb).map(resolve_on_all))?;
         Ok(rgb)
     }
 
@@ -249,8 +255,9 @@ impl Film {
                 bands.into_par_iter().for_each(|mut band| band.filter());
                 filter.next();
             }
-            filter.write(&mut guide)?;
-            sampler.level(&guide, &mut scratch, &mut level)
+            let parts = guide.chunks_mut(ROWS * width as usize).enumerate().collect::<Vec<_>>();
+            parts.into_par_iter().try_for_each(|(part, rows)| filter.write_rows(part * ROWS, rows))?;
+            sampler.leveling(&guide, &mut scratch, &mut level).map(resolve_on_all)
         })?;
         self.resolve_guided(&level)
     }

@@ -16,6 +16,7 @@ use crate::maths::eight::{read8, write8};
 use wide::f32x8;
 
 pub(crate) mod open;
+pub(crate) mod words;
 
 /// Most fractional bits of an expected count, and bits of the offset.
 pub const FRACTION_BITS: u32 = 32;
@@ -80,41 +81,19 @@ pub struct Mixture {
 /// # Errors
 /// If the lengths differ or a limit of this module is exceeded; then nothing has been written.
 pub fn allocate(target: &mut [f32], planned: &mut [u32], mix: Mixture, offset: u32) -> Result<(), Error> {
+    if target.len() != planned.len() {
+        return Err(Error::Pixels);
+    }
+    check(target.len(), &mix)?;
     let mut known = Known::default();
     known.add(target);
-    allocate_known(target, planned, mix, offset, &known)
-}
-
-/// [`allocate`], given the sum of the weights.
-pub(crate) fn allocate_known(
-    target: &mut [f32],
-    planned: &mut [u32],
-    mix: Mixture,
-    offset: u32,
-    known: &Known,
-) -> Result<(), Error> {
-    check(target, planned, &mix)?;
-    let shares = Shares::new(&mix, target.len(), known);
-    let mut steps = Steps::new(shares.bits, offset);
-    let (mut pixels, mut weights) = (0.0, 0.0);
-    let last = (target.len() - 1) / RUN;
-    for (run, (target, planned)) in target.chunks_mut(RUN).zip(planned.chunks_mut(RUN)).enumerate() {
-        let mut units = [0; RUN];
-        weights += match target.first_chunk_mut::<RUN>() {
-            Some(whole) => shares.units(whole, &mut units),
-            None => shares.units(target, &mut units),
-        };
-        pixels += target.len() as f64;
-        let end = if run == last { shares.total } else { shares.cumulative(pixels, weights) };
-        let rest = steps.run(&units[..target.len()], planned, end);
-        target[target.len() - 1] = rest as f32 * shares.samples;
-    }
+    Shares::new(&mix, target.len(), &known, offset).divide(Before::default(), target, planned);
     Ok(())
 }
 
-/// The conditions under which [`allocate`] cannot overflow.
-fn check(target: &[f32], planned: &[u32], mix: &Mixture) -> Result<(), Error> {
-    if target.len() != planned.len() || !(1..=MAX_PIXELS).contains(&target.len()) {
+/// The conditions under which an allocation over so many pixels cannot overflow.
+pub(crate) fn check(pixels: usize, mix: &Mixture) -> Result<(), Error> {
+    if !(1..=MAX_PIXELS).contains(&pixels) {
         return Err(Error::Pixels);
     }
     if mix.samples > MAX_SAMPLES {
@@ -174,8 +153,31 @@ fn is_known(weights: f32x8) -> f32x8 {
     weights.simd_ge(f32x8::ZERO) & weights.simd_le(f32x8::splat(f32::MAX))
 }
 
+/// The pixels before a part of them: how many there are, and the sum of their weights in the order of an allocation.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Before {
+    pixels: f64,
+    weights: f64,
+}
+
+impl Before {
+    /// With the pixels of some whole runs, in whose words [`Shares::sum_runs`] has kept the sums.
+    pub fn and_runs(self, kept: &[u32]) -> Before {
+        kept.chunks(RUN).fold(self, |Before { pixels, weights }, run| Before {
+            pixels: pixels + run.len() as f64,
+            weights: weights + f64::from_bits(words::kept(run)),
+        })
+    }
+}
+
 /// What a pixel is given: `uniform + factor · weight`, in units of 2^-`bits` sample.
-struct Shares {
+///
+/// Where a part of the pixels begins in the cumulative sum follows from what is [`Before`] it, so that parts can be divided in
+/// any order: these sums never fall, hence are what the part before would have ended with.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Shares {
+    /// Number of pixels that are given something.
+    pixels: f64,
     uniform: f64,
     factor: f64,
     /// The weight of a pixel without a known one.
@@ -185,10 +187,12 @@ struct Shares {
     samples: f32,
     /// N in units.
     total: u64,
+    /// Chooses among the allocations with these expectations.
+    offset: u32,
 }
 
 impl Shares {
-    fn new(mix: &Mixture, pixels: usize, known: &Known) -> Shares {
+    pub fn new(mix: &Mixture, pixels: usize, known: &Known, offset: u32) -> Shares {
         // All samples in units stay below 2^52: the integers that floating point can hold.
         let bits = (MANTISSA_BITS - (u64::BITS - mix.samples.leading_zeros())).min(FRACTION_BITS);
         let (pixels, total) = (pixels as f64, mix.samples << bits);
@@ -199,12 +203,51 @@ impl Shares {
         let (part, factor) = if steers { (part, (total as f64 - part) / all) } else { (total as f64, 0.0) };
         let unknown = if steers { unknown } else { 0.0 };
         let samples = 1.0 / (1u64 << bits) as f32;
-        Shares { uniform: part / pixels, factor, unknown, bits, samples, total }
+        Shares { pixels, uniform: part / pixels, factor, unknown, bits, samples, total, offset }
+    }
+
+    /// Turns the weights of some runs of pixels, of all or of those after some [`Before`], into expected and whole counts.
+    pub fn divide(&self, mut before: Before, target: &mut [f32], planned: &mut [u32]) {
+        let mut steps = self.steps(before);
+        for (target, planned) in target.chunks_mut(RUN).zip(planned.chunks_mut(RUN)) {
+            let mut units = [0; RUN];
+            before.weights += match target.first_chunk_mut::<RUN>() {
+                Some(whole) => self.units(whole, &mut units),
+                None => self.units(target, &mut units),
+            };
+            before.pixels += target.len() as f64;
+            let rest = steps.run(&units[..target.len()], planned, self.end(before));
+            target[target.len() - 1] = rest as f32 * self.samples;
+        }
+    }
+
+    /// Keeps the sum of each run's weights in its first two words of `planned`, for [`Before::and_runs`]: in the order of
+    /// [`divide`](Self::divide), which ends a last run that is shorter without it.
+    pub fn sum_runs(&self, target: &[f32], planned: &mut [u32]) {
+        for (target, planned) in target.chunks(RUN).zip(planned.chunks_mut(RUN)) {
+            let mut sums = [0.0; 8];
+            for weights in target.chunks(8) {
+                let weights = self.weights(read8(weights)).to_array();
+                (0..8).for_each(|lane| sums[lane] += f64::from(weights[lane]));
+            }
+            words::keep(planned, sums.iter().sum::<f64>().to_bits());
+        }
+    }
+
+    /// The cumulative sum at the beginning of what comes after `before`.
+    fn steps(&self, before: Before) -> Steps {
+        Steps::new(self.bits, self.offset, self.cumulative(before))
     }
 
     /// A pixel's weight, or that of a pixel without a known one.
     fn weight(&self, weight: f32) -> f32 {
         if (0.0..=f32::MAX).contains(&weight) { weight } else { self.unknown }
+    }
+
+    /// [`weight`](Self::weight) of eight pixels.
+    #[inline(always)]
+    fn weights(&self, weights: f32x8) -> f32x8 {
+        is_known(weights).select(weights, f32x8::splat(self.unknown))
     }
 
     /// Turns up to a run of weights into expected counts, writes these in units too, and returns the sum of the weights.
@@ -213,9 +256,7 @@ impl Shares {
         let mut sums = [0.0; 8];
         let (units, _) = units.as_chunks_mut::<8>();
         for (target, units) in target.chunks_mut(8).zip(units) {
-            let weights = read8(target);
-            let weights = is_known(weights).select(weights, f32x8::splat(self.unknown));
-            let (weights, mut expected) = (weights.to_array(), [0.0; 8]);
+            let (weights, mut expected) = (self.weights(read8(target)).to_array(), [0.0; 8]);
             for lane in 0..8 {
                 let weight = f64::from(weights[lane]);
                 sums[lane] += weight;
@@ -229,9 +270,15 @@ impl Shares {
         sums.iter().sum()
     }
 
-    /// Units of the first pixels, by their number and the sum of their weights; at most all.
-    fn cumulative(&self, pixels: f64, weights: f64) -> u64 {
-        ((self.uniform * pixels + self.factor * weights) as u64).min(self.total)
+    /// Units of the first pixels; at most all.
+    fn cumulative(&self, first: Before) -> u64 {
+        ((self.uniform * first.pixels + self.factor * first.weights) as u64).min(self.total)
+    }
+
+    /// Where the last of the first pixels ends: where all do, if it is the last of all.
+    #[inline(always)]
+    fn end(&self, first: Before) -> u64 {
+        if first.pixels == self.pixels { self.total } else { self.cumulative(first) }
     }
 }
 
@@ -251,8 +298,9 @@ struct Steps {
 }
 
 impl Steps {
-    fn new(bits: u32, offset: u32) -> Steps {
-        Steps { cumulative: 0, whole: 0, offset: u64::from(offset >> (FRACTION_BITS - bits)), bits }
+    fn new(bits: u32, offset: u32, cumulative: u64) -> Steps {
+        let offset = u64::from(offset >> (FRACTION_BITS - bits));
+        Steps { cumulative, whole: (cumulative + offset) >> bits, offset, bits }
     }
 
     /// Writes the whole counts of a run of pixels that expect `units`, the last of which takes what remains up to

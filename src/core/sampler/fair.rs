@@ -66,14 +66,16 @@ impl Fair {
     /// How many samples pixel `i` lacks that has `drawn`.
     #[inline(always)]
     pub fn missing(self, i: usize, drawn: u32) -> u32 {
-        let phase = u64::from((i as u32).wrapping_mul(GOLDEN));
-        let due = (self.promised.saturating_add(phase) >> FRACTION_BITS).min(u64::from(self.count)) as u32;
-        due.saturating_sub(drawn)
+        // ⌊promised + phase⌋ by halves of 32 bits, which fit into vectors as they are.
+        let phase = (i as u32).wrapping_mul(GOLDEN);
+        let (whole, fraction) = ((self.promised >> FRACTION_BITS) as u32, self.promised as u32);
+        let due = whole.saturating_add(u32::from(fraction.overflowing_add(phase).1));
+        due.min(self.count).saturating_sub(drawn)
     }
 
-    /// How many samples all pixels lack together.
-    pub fn total(self, drawn: &[u32]) -> u64 {
-        drawn.iter().enumerate().map(|(i, drawn)| u64::from(self.missing(i, *drawn))).sum()
+    /// How many samples pixels from the `first` on lack together that have `drawn`.
+    pub fn total(self, first: usize, drawn: &[u32]) -> u64 {
+        drawn.iter().enumerate().map(|(k, drawn)| u64::from(self.missing(first + k, *drawn))).sum()
     }
 
     /// How many of `planned` samples are fair, after `drawn` others.
@@ -100,13 +102,24 @@ mod tests {
                 let before = drawn.clone();
                 drawn.iter_mut().enumerate().for_each(|(i, n)| *n += fair.missing(i, *n));
                 let given: u32 = drawn.iter().sum::<u32>() - before.iter().sum::<u32>();
-                assert_eq!(u64::from(given), fair.total(&before));
+                assert_eq!(u64::from(given), fair.total(0, &before));
                 // Golden ratio points: discrepancy below 4 samples at this many pixels.
                 let expected = more.min(5.0 - 2.0 - [0.0, 0.5, 0.75, 0.75, 2.25][k]) * pixels as f64;
                 assert!((f64::from(given) - expected).abs() < 4.0, "{given}, not {expected}");
                 assert!(drawn.iter().max().unwrap() - drawn.iter().min().unwrap() <= 1);
             }
             assert!(drawn.iter().all(|n| *n == 5));
+        }
+    }
+
+    #[test]
+    fn halves_make_the_sum() {
+        for promised in [0, 1, u64::MAX, u64::MAX - 5, 7 << 32, (7 << 32) - 1, (3 << 32) + (1 << 31)] {
+            for (count, i, drawn) in [(9, 0, 0), (9, 1, 2), (u32::MAX, 5, 3), (2, 77, 0), (9, 123_456, 4)] {
+                let phase = u64::from((i as u32).wrapping_mul(GOLDEN));
+                let due = (promised.saturating_add(phase) >> 32u32).min(u64::from(count)) as u32;
+                assert_eq!(Fair::of(count, promised).missing(i, drawn), due.saturating_sub(drawn));
+            }
         }
     }
 

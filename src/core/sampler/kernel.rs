@@ -18,9 +18,9 @@ use crate::maths::eight::{count8, read8, write8};
 use crate::maths::functions::{exp2_rough, log2_rough};
 use crate::maths::tvi::log2_tvi;
 use crate::predict::Belief;
-use crate::sampler::allocate::Known;
 use crate::sampler::film::window::{Blocks, SIDE};
-use crate::sampler::film::{Layout, Planes, Tile};
+use crate::sampler::film::{Layout, Seen, Tile};
+use core::ops::Range;
 use wide::f32x8;
 
 pub use crate::sampler::film::window::Window;
@@ -88,24 +88,33 @@ impl Kernel {
         }
     }
 
-    /// Writes every pixel's weight into the plane `target` and returns their sum. `prior` has one belief a pixel, row by
-    /// row, or none at all.
-    pub(crate) fn adapt(&self, layout: &Layout, planes: &mut Planes<'_>, prior: &[Belief]) -> Known {
-        let (mut known, mut blocks, mut labels) = (Known::default(), Blocks::new(), Blocks::new());
-        for tile in (0..layout.tiles()).map(|t| layout.tile(t)) {
-            see(layout, &tile, planes, &mut blocks);
-            let labels = see_labels(layout, &tile, planes, &mut labels);
-            self.adapt_tile(layout, &tile, planes, (&blocks, labels), prior);
-            known.add(&planes.target[tile.first..tile.first + tile.pixels()]);
+    /// Writes the weights of the pixels of some tiles into `target`, which is these pixels' part of the plane, and calls `done`
+    /// with those of each tile. `prior` has one belief for every pixel of the film, row by row, or none at all.
+    pub(crate) fn adapt(
+        &self,
+        layout: &Layout,
+        tiles: Range<u32>,
+        film: &Seen<'_>,
+        mut target: &mut [f32],
+        prior: &[Belief],
+        mut done: impl FnMut(&[f32]),
+    ) {
+        let (mut blocks, mut labels) = (Blocks::new(), Blocks::new());
+        for tile in tiles.map(|t| layout.tile(t)) {
+            let (weights, rest) = target.split_at_mut(tile.pixels());
+            target = rest;
+            see(layout, &tile, film, &mut blocks);
+            let labels = see_labels(layout, &tile, film, &mut labels);
+            self.adapt_tile(layout, &tile, weights, (&blocks, labels), prior);
+            done(weights);
         }
-        known
     }
 
     fn adapt_tile(
         &self,
         layout: &Layout,
         tile: &Tile,
-        planes: &mut Planes<'_>,
+        weights: &mut [f32],
         (blocks, labels): (&Blocks<4>, Option<&Blocks<1>>),
         prior: &[Belief],
     ) {
@@ -122,20 +131,19 @@ impl Kernel {
                 write8(&mut lights[y][x..], light);
             });
         }
-        for (y, (variances, lights)) in variances.iter().zip(&lights).enumerate().take(height) {
-            let target = planes.target[tile.row(y as u32)].chunks_mut(8);
-            for (target, x) in target.zip([0, 8]) {
-                write8(target, self.weight_or_unknown(read8(&variances[x..]), read8(&lights[x..])));
+        for ((row, variances), lights) in weights.chunks_mut(width).zip(&variances).zip(&lights) {
+            for (weights, x) in row.chunks_mut(8).zip([0, 8]) {
+                write8(weights, self.weight_or_unknown(read8(&variances[x..]), read8(&lights[x..])));
             }
         }
     }
 
     /// Writes what the windows know of every pixel, row by row.
-    pub(crate) fn observe(&self, layout: &Layout, planes: &Planes<'_>, out: &mut [Belief]) {
+    pub(crate) fn observe(&self, layout: &Layout, film: &Seen<'_>, out: &mut [Belief]) {
         let (mut blocks, mut labels) = (Blocks::new(), Blocks::new());
         for tile in (0..layout.tiles()).map(|t| layout.tile(t)) {
-            see(layout, &tile, planes, &mut blocks);
-            let labels = see_labels(layout, &tile, planes, &mut labels);
+            see(layout, &tile, film, &mut blocks);
+            let labels = see_labels(layout, &tile, film, &mut labels);
             for x in (0..tile.width as usize).step_by(8) {
                 blocks.for_each_row(labels, self.window, x, tile.height as usize, |y, sums, own| {
                     let first = raster(layout, &tile, x, y);
@@ -175,22 +183,19 @@ impl Kernel {
     /// Windows of too few degrees of freedom, filled up by what is believed.
     #[inline(always)]
     fn filled_up(&self, seen: Eight, prior: &[Belief]) -> Eight {
-        let lanes = |of: &dyn Fn(&Belief) -> f32| {
-            let value = |k| prior.get(k).and_then(Belief::usable).map_or(0.0, |belief| of(&belief));
-            f32x8::from(core::array::from_fn::<f32, 8, _>(value))
-        };
         if prior.is_empty() {
             return seen;
         }
+        let [variance, brightness, freedom] = decoded(prior);
         let weight = f32x8::splat(self.window.weight());
         let lacking = (f32x8::splat(ENOUGH) * weight - seen.freedom).fast_max(f32x8::ZERO);
-        let lacking = lacking.fast_min(lanes(&|belief| belief.freedom) * weight);
-        let (light, known) = (seen.light + lacking * lanes(&|belief| belief.light), seen.known + lacking);
+        let lacking = lacking.fast_min(freedom * weight);
+        let (light, known) = (seen.light + lacking * brightness, seen.known + lacking);
         // What was bright has its noise from there: beside an edge, in the dark of now, it would look enormous.
-        let bright = lanes(&|belief| belief.light) * known;
+        let bright = brightness * known;
         let light = lacking.simd_gt(f32x8::ZERO).bitselect(light.fast_max(bright), light);
         Eight {
-            m2: seen.m2 + lacking * lanes(&|belief| belief.variance),
+            m2: seen.m2 + lacking * variance,
             freedom: seen.freedom + lacking,
             light,
             known,
@@ -199,14 +204,25 @@ impl Kernel {
     }
 }
 
+/// Variances, luminances and degrees of freedom of up to eight beliefs; of those that cannot be used, zeros.
+#[inline(always)]
+fn decoded(beliefs: &[Belief]) -> [f32x8; 3] {
+    let mut lanes = [[0.0; 8]; 3];
+    for (k, belief) in beliefs.iter().take(8).enumerate() {
+        let Belief { variance, light, freedom } = belief.usable().unwrap_or(Belief::NONE);
+        (lanes[0][k], lanes[1][k], lanes[2][k]) = (variance, light, freedom);
+    }
+    lanes.map(f32x8::from)
+}
+
 /// Fills the blocks with what the kernel looks at around `tile`: squared deviations, degrees of freedom, luminance,
 /// and whether there is a sample at all.
-fn see(layout: &Layout, tile: &Tile, planes: &Planes<'_>, blocks: &mut Blocks<4>) {
+fn see(layout: &Layout, tile: &Tile, film: &Seen<'_>, blocks: &mut Blocks<4>) {
     blocks.fill(layout, tile, |pixels| {
-        let count = count8(&planes.count[pixels.clone()]);
+        let count = count8(&film.count[pixels.clone()]);
         let known = count.fast_min(f32x8::ONE);
-        let m2 = read8(&planes.m2[pixels.clone()]);
-        [m2, count - known, luminance8(planes.mean8(pixels)), known]
+        let m2 = read8(&film.m2[pixels.clone()]);
+        [m2, count - known, luminance8(film.mean8(pixels)), known]
     });
 }
 
@@ -214,13 +230,13 @@ fn see(layout: &Layout, tile: &Tile, planes: &Planes<'_>, blocks: &mut Blocks<4>
 fn see_labels<'b>(
     layout: &Layout,
     tile: &Tile,
-    planes: &Planes<'_>,
+    film: &Seen<'_>,
     labels: &'b mut Blocks<1>,
 ) -> Option<&'b Blocks<1>> {
-    if planes.label.is_empty() {
+    if film.label.is_empty() {
         return None;
     }
-    labels.fill(layout, tile, |pixels| [count8(&planes.label[pixels])]);
+    labels.fill(layout, tile, |pixels| [count8(&film.label[pixels])]);
     Some(labels)
 }
 

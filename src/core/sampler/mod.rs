@@ -4,6 +4,9 @@
 //! the iteration into runs of tiles that can be rendered by any thread in any order, [`Sampler::end`] checks
 //! that all were. The same settings, samples and integrand give the same bits on any number of threads.
 //!
+//! Beginning and resolving are for one thread; where that is too slow, [`Sampler::beginning`] and [`Sampler::resolving`] hand
+//! them out in parts, too: see [`begin`] and [`estimate::resolve`].
+//!
 //! ```
 //! use pmcip_core::sampler::batch::{Batch8, Integrand, Rgb8};
 //! use pmcip_core::sampler::{Memory, Sampler, Schedule, Settings, Workspace};
@@ -35,17 +38,15 @@
 //! ```
 #![doc = include_str!("defaults.md")]
 
-use crate::maths::sobol::{PixelKeys, frame_key, hash};
+use crate::maths::sobol::{PixelKeys, hash};
 use crate::predict::Prior;
-use crate::sampler::allocate::open::{CLOSED, allocate_open};
-use crate::sampler::allocate::{Known, Mixture, allocate_known};
 use crate::sampler::film::{Layout, Planes, WORDS};
-use crate::sampler::kernel::UNKNOWN;
-use fair::Fair;
+use begin::Beginning;
 use state::State;
 
 pub mod allocate;
 pub mod batch;
+pub mod begin;
 pub mod estimate;
 mod fair;
 pub mod film;
@@ -198,130 +199,17 @@ impl<'a> Sampler<'a> {
     /// # Errors
     /// As `begin`, and [`Error::Prior`] if `prior` has not one entry a pixel or none.
     pub fn begin_predicted(&mut self, samples: u64, prior: Prior<'_>) -> Result<(), Error> {
-        let given = match prior {
-            Prior::Beliefs(beliefs) => beliefs.len(),
-            Prior::Alpha(alpha) => alpha.len(),
-        };
-        if given != 0 && given != self.layout.pixels() {
-            return Err(Error::Prior);
-        }
-        if self.state.running > 0 {
-            return Err(Error::Begun);
-        }
-        if samples == 0 || samples > crate::sampler::allocate::MAX_SAMPLES {
-            return Err(Error::Samples);
-        }
-        let given = matches!(prior, Prior::Alpha(alpha) if !alpha.is_empty());
-        let adaptive = self.state.settings.mode == Mode::Adaptive && (self.state.iteration > 0 || given);
-        let known = if adaptive { self.adapt(prior) } else { Known::default() };
-        self.state.open = self.close(adaptive && given);
-        let missing = self.promise(samples, adaptive);
-        self.state.mixture = match adaptive {
-            true => Mixture {
-                samples: samples - missing,
-                floor: self.floor(),
-                epsilon: self.state.settings.epsilon,
-            },
-            false => Mixture { samples, floor: 0.0, epsilon: 1.0 },
-        };
-        let offset =
-            hash(frame_key(!self.state.settings.seed, self.state.settings.frame) ^ self.state.iteration);
-        let Planes { target, planned, drawn, .. } = &mut self.planes;
-        match self.state.open == target.len() {
-            true => allocate_known(target, planned, self.state.mixture, offset, &known)?,
-            false => allocate_open(target, planned, self.state.mixture, offset)?,
-        }
-        if missing > 0 {
-            for (i, ((planned, drawn), target)) in planned.iter_mut().zip(&**drawn).zip(&**target).enumerate()
-            {
-                *planned += if *target == CLOSED { 0 } else { self.state.fair.missing(i, *drawn) };
-            }
-        }
-        self.state.running = samples;
-        Ok(())
+        self.beginning(samples, prior).map(drop)
     }
 
-    /// Closes the pixels that are not there, and returns how many get samples; `given` is a kernel that closes others, too.
-    fn close(&mut self, given: bool) -> usize {
-        let Planes { target, label, .. } = &mut self.planes;
-        let outside = target.iter_mut().zip(*label).filter(|(_, label)| **label == 0);
-        outside.for_each(|(target, _)| *target = CLOSED);
-        if !given {
-            return self.state.used;
-        }
-        match target.iter().filter(|target| **target != CLOSED).count() {
-            // A kernel that gives nobody anything says nothing.
-            0 => {
-                let inside = target.iter_mut().enumerate().filter(|(i, _)| label.get(*i) != Some(&0));
-                inside.for_each(|(_, target)| *target = UNKNOWN);
-                self.state.used
-            }
-            open => open,
-        }
-    }
-
-    /// Promises fair samples with an iteration of `samples`; returns how many pixels lack.
-    fn promise(&mut self, samples: u64, adaptive: bool) -> u64 {
-        if self.state.iteration == 0 {
-            let uniform = self.state.settings.mode == Mode::Uniform;
-            let count = if uniform { u32::MAX } else { self.state.settings.fair };
-            let given = if adaptive { 0 } else { (samples / self.state.used as u64) as u32 };
-            self.state.fair = Fair::new(count, given);
-        }
-        if !adaptive {
-            return 0;
-        }
-        let each = f64::from(self.state.settings.defensive) * samples as f64 / self.state.used as f64;
-        let next = self.state.fair.promise(each);
-        let missing = self.lacking(next);
-        // What is due to few pixels cannot always be rounded to fewer samples than there are.
-        if missing > samples {
-            // After films have been merged even what was promised before can be more: it waits.
-            return Some(self.lacking(self.state.fair)).filter(|missing| *missing <= samples).unwrap_or(0);
-        }
-        self.state.fair = next;
-        missing
-    }
-
-    /// How many samples the pixels lack together that can get some.
-    fn lacking(&self, fair: Fair) -> u64 {
-        let closed = match self.state.open == self.state.used {
-            true => 0,
-            false => {
-                let closed = self.planes.target.iter().enumerate().filter(|(_, target)| **target == CLOSED);
-                closed.map(|(i, _)| u64::from(fair.missing(i, self.planes.drawn[i]))).sum()
-            }
-        };
-        fair.total(self.planes.drawn) - closed
-    }
-
-    /// m, samples that every pixel expects at least in an adaptive iteration, beyond what was promised.
-    fn floor(&self) -> f32 {
-        if self.state.settings.estimator == Estimator::Subframe { 1.0 } else { 0.0 }
-    }
-
-    /// Writes the weights of the kernel into the plane `target` and returns their sum.
-    fn adapt(&mut self, prior: Prior<'_>) -> Known {
-        let planes = &mut self.planes;
-        let alpha = match prior {
-            Prior::Beliefs(beliefs) => {
-                return self.state.settings.kernel().adapt(&self.layout, planes, beliefs);
-            }
-            Prior::Alpha([]) => return self.state.settings.kernel().adapt(&self.layout, planes, &[]),
-            Prior::Alpha(alpha) => alpha,
-        };
-        self.layout.for_each_run(|run, raster| {
-            for (target, alpha) in planes.target[run].iter_mut().zip(&alpha[raster..]) {
-                *target = match *alpha {
-                    0.0 => CLOSED,
-                    alpha if alpha.is_finite() && alpha > 0.0 => alpha,
-                    _ => UNKNOWN,
-                };
-            }
-        });
-        let mut known = Known::default();
-        known.add(planes.target);
-        known
+    /// [`begin_predicted`](Self::begin_predicted) in parts that can be worked on by any threads: see [`begin`].
+    ///
+    /// The iteration has begun when what is returned is gone.
+    ///
+    /// # Errors
+    /// As `begin_predicted`.
+    pub fn beginning<'s>(&'s mut self, samples: u64, prior: Prior<'s>) -> Result<Beginning<'s>, Error> {
+        Beginning::new(&mut self.state, self.layout, self.planes.reborrow(), samples, prior)
     }
 
     /// The jobs of the running iteration, as far as their samples are not in the film yet; none if none is running.
@@ -363,7 +251,9 @@ impl<'a> Sampler<'a> {
         if self.state.running == 0 {
             return Err(Error::NotBegun);
         }
-        if self.planes.planned.iter().any(|n| *n > 0) {
+        // A thousand at a time, so that they are read as vectors.
+        let mut planned = self.planes.planned.chunks(1024);
+        if planned.any(|chunk| chunk.iter().fold(0, |all, n| all | n) > 0) {
             return Err(Error::Unfinished);
         }
         self.state.samples = self.state.samples.saturating_add(self.state.running);

@@ -1,7 +1,8 @@
 //! What can be read of a film between two iterations: pictures, and what it knows of its pixels.
 
 use super::allocate::open::CLOSED;
-use super::estimate::{self, Lanes};
+use super::estimate::resolve::Kind;
+use super::estimate::{self, Lanes, Own, Resolving, radii};
 use super::{Error, Estimator, Sampler};
 use crate::predict::Belief;
 
@@ -20,6 +21,21 @@ impl Sampler<'_> {
     /// If an iteration is running, the film has not accumulated for `estimator`, or `out` or `scratch` have the wrong
     /// length.
     pub fn resolve(&self, estimator: Estimator, scratch: &mut [Lanes], out: &mut [f32]) -> Result<(), Error> {
+        self.resolving(estimator, scratch, out).map(drop)
+    }
+
+    /// [`resolve`](Self::resolve) in parts that can be worked on by any threads: see [`resolve`](estimate::resolve).
+    ///
+    /// The picture is there when what is returned is gone.
+    ///
+    /// # Errors
+    /// As `resolve`.
+    pub fn resolving<'r>(
+        &'r self,
+        estimator: Estimator,
+        scratch: &'r mut [Lanes],
+        out: &'r mut [f32],
+    ) -> Result<Resolving<'r>, Error> {
         let (width, height) = (self.state.settings.width, self.state.settings.height);
         self.at_rest()?;
         if !self.state.settings.estimator.serves(estimator) {
@@ -30,14 +46,16 @@ impl Sampler<'_> {
             return Err(Error::Output);
         }
         let (out, _) = out.as_chunks_mut();
-        let (layout, planes, radius) = (&self.layout, &self.planes, self.state.settings.balance_radius);
+        let (layout, planes) = (self.layout, &self.planes);
         match estimator {
-            Estimator::Pooled => estimate::plain(layout, &planes.mean, out),
-            Estimator::Subframe | Estimator::Difference => estimate::plain(layout, &planes.fair, out),
-            Estimator::Balanced => estimate::balanced(layout, planes, radius, scratch, out),
-            Estimator::Guided => return Err(Error::Guide),
+            Estimator::Pooled => Ok(Resolving::plain(layout, &planes.mean, out)),
+            Estimator::Subframe | Estimator::Difference => Ok(Resolving::plain(layout, &planes.fair, out)),
+            Estimator::Balanced => {
+                let radii = radii(self.state.settings.balance_radius);
+                Ok(Resolving::new(layout, planes.label, Kind::Own(Own { planes }), radii, scratch, out))
+            }
+            Estimator::Guided => Err(Error::Guide),
         }
-        Ok(())
     }
 
     /// Writes the variance of every pixel's mean luminance, as far as its own samples know it, row by row.
@@ -85,7 +103,7 @@ impl Sampler<'_> {
         if out.len() != self.layout.pixels() {
             return Err(Error::Output);
         }
-        self.state.settings.kernel().observe(&self.layout, &self.planes, out);
+        self.state.settings.kernel().observe(&self.layout, &self.planes.seen(), out);
         Ok(())
     }
 

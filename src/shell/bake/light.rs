@@ -8,10 +8,11 @@ use crate::error::Error;
 use crate::frame::attributes::attributes;
 use crate::frame::memory::zeros;
 use crate::frame::settings::Settings;
-use crate::frame::threads::{Crew, start_threads};
+use crate::frame::threads::{self, Crew, start_threads};
 use crate::frame::{guide, layers};
 use crate::picture::frame_io::Picture;
 use crate::scene::LoadedScene;
+use pmcip_core::predict::Prior;
 use pmcip_core::sampler::estimate::Estimator;
 use pmcip_core::sampler::{Memory, Sampler, Schedule, Tally};
 use pmcip_core::tracer::scene::Scene;
@@ -83,7 +84,7 @@ pub fn bake(
         Sampler::with_labels(settings.film_of(used), memory, &atlas.labels).map_err(Error::setting)?;
     let mut tally = Tally::default();
     for samples in Schedule::new(used, settings.spp, settings.pilot(), settings.iterations) {
-        film.begin(samples).map_err(Error::setting)?;
+        threads::begin(crew.pool(), &mut film, samples, Prior::Beliefs(&[])).map_err(Error::setting)?;
         crew.bake(film.jobs(), atlas, progress);
         tally = film.end().map_err(Error::work)?;
     }
@@ -93,7 +94,7 @@ pub fn bake(
         Estimator::Guided => {
             guide::resolve(&film, &atlas.features(), crew.pool(), &mut |_| Ok(()), &mut irradiance)?;
         }
-        estimator => layers::resolve(&film, estimator, &mut irradiance)?,
+        estimator => layers::resolve(&film, estimator, crew.pool(), &mut irradiance)?,
     }
     film.count(&mut count).map_err(Error::setting)?;
     dilate(&mut irradiance, &atlas.labels, atlas.size as usize);

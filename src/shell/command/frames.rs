@@ -256,7 +256,7 @@ impl Sequence<'_> {
         let scene = self.animation.scene();
         let eye = eye(&self.arguments.common);
         let before = before.map(|pose| Pose { view: eye.applied(&pose.view, scene.origin), ..pose });
-        motion::layer(scene, settings, before.as_ref()).map_err(blame)
+        motion::layer(scene, settings, before.as_ref(), self.arguments.common.threads).map_err(blame)
     }
 
     fn print(&self, line: &Line) {

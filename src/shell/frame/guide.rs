@@ -3,11 +3,14 @@
 //! Memory while it is made, besides the features: 100 bytes a pixel and a margin for the filter, 16 for the guide.
 
 use super::memory::zeros;
-use super::threads::each;
+use super::threads::{self, each};
 use crate::error::Error;
 use pmcip_core::sampler::Sampler;
 use pmcip_core::sampler::guide::{Band, Feature, Filter};
 use rayon::ThreadPool;
+
+/// Rows that a thread writes at once.
+const ROWS: usize = 8;
 
 /// A frame's filtered film, rows from the top.
 #[derive(Debug)]
@@ -37,10 +40,12 @@ pub fn resolve(
 ) -> Result<(), Error> {
     let mut filtered = filtered(film, features, pool)?;
     let mut scratch = zeros(Sampler::resolve_scratch(filtered.size.0, filtered.size.1))?;
-    film.level(&filtered.rgb, &mut scratch, rgb).map_err(Error::setting)?;
+    threads::resolve(pool, film.leveling(&filtered.rgb, &mut scratch, rgb).map_err(Error::setting)?);
     filtered.rgb.copy_from_slice(rgb);
     change(&mut filtered)?;
-    film.resolve_guided(&filtered.rgb, &mut scratch, rgb).map_err(Error::setting)
+    let resolving = film.resolving_guided(&filtered.rgb, &mut scratch, rgb).map_err(Error::setting)?;
+    threads::resolve(pool, resolving);
+    Ok(())
 }
 
 /// The film, filtered.
@@ -57,7 +62,9 @@ fn filtered<'a>(
         filter.next();
     }
     let (mut rgb, mut variance) = (zeros(features.len())?, zeros(features.len())?);
-    filter.write(&mut rgb).map_err(Error::setting)?;
+    let parts = rgb.chunks_mut(ROWS * size.0 as usize).enumerate().collect();
+    // They are whole rows of this picture: it is not refused.
+    each(pool, parts, |(part, rows)| _ = filter.write_rows(part * ROWS, rows));
     filter.variance(&mut variance).map_err(Error::setting)?;
     Ok(Filtered { size, rgb, variance, features })
 }

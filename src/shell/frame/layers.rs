@@ -3,10 +3,12 @@
 use super::features::Seen;
 use super::memory::zeros;
 use super::settings::{Layer, Layers, Settings, word};
+use super::threads;
 use crate::error::Error;
 use pmcip_core::sampler::Sampler;
 use pmcip_core::sampler::estimate::Estimator;
 use pmcip_core::sampler::guide::Feature;
+use rayon::ThreadPool;
 use std::collections::BTreeMap;
 
 /// Depth where nothing is seen: behind everything, and still a number. Cycles has the same.
@@ -39,7 +41,8 @@ pub(super) fn need_coverage(layers: Layers) -> bool {
 }
 
 /// Those of `layers` that film and scene make, by channel: rows from the top. `seen` is what [`need_features`] and
-/// [`need_coverage`] ask for; where the eye sees the `sky` everything is covered.
+/// [`need_coverage`] ask for; where the eye sees the `sky` everything is covered. Pictures are made on all threads of `pool`, on
+/// the caller's if there is none.
 ///
 /// # Errors
 /// [`Error::Setting`] if the film has not accumulated for one of them, [`Error::Work`] if memory is lacking.
@@ -48,22 +51,29 @@ pub(super) fn planes(
     seen: &Seen,
     sky: bool,
     layers: Layers,
+    pool: Option<&ThreadPool>,
 ) -> Result<BTreeMap<String, Vec<f32>>, Error> {
     let mut planes = BTreeMap::new();
     for layer in layers.iter() {
         let channels = layer.channels().iter().map(|name| (*name).to_owned());
-        planes.extend(channels.zip(values(film, seen, sky, layer)?));
+        planes.extend(channels.zip(values(film, seen, sky, layer, pool)?));
     }
     Ok(planes)
 }
 
 /// The planes of a layer in the order of its channels; none of a layer that is made elsewhere.
-fn values(film: &Sampler<'_>, seen: &Seen, sky: bool, layer: Layer) -> Result<Vec<Vec<f32>>, Error> {
+fn values(
+    film: &Sampler<'_>,
+    seen: &Seen,
+    sky: bool,
+    layer: Layer,
+    pool: Option<&ThreadPool>,
+) -> Result<Vec<Vec<f32>>, Error> {
     let of = |value: &dyn Fn(&Feature) -> f32| plane(&seen.features, value);
     match layer {
         Layer::Coverage => Ok(vec![plane(&seen.coverage, |coverage| if sky { 1.0 } else { *coverage })?]),
-        Layer::Unbiased => colours(film, Estimator::Difference),
-        Layer::Balanced => colours(film, Estimator::Balanced),
+        Layer::Unbiased => colours(film, Estimator::Difference, pool),
+        Layer::Balanced => colours(film, Estimator::Balanced, pool),
         Layer::Albedo => (0..3).map(|c| of(&|feature| feature.albedo[c])).collect(),
         Layer::Normal => (0..3).map(|c| of(&|feature| feature.normal[c])).collect(),
         Layer::Depth => Ok(vec![depth(seen)?]),
@@ -79,20 +89,32 @@ fn plane<T>(pixels: &[T], value: impl Fn(&T) -> f32) -> Result<Vec<f32>, Error> 
 }
 
 /// The film by an estimator, a plane a colour.
-fn colours(film: &Sampler<'_>, estimator: Estimator) -> Result<Vec<Vec<f32>>, Error> {
+fn colours(
+    film: &Sampler<'_>,
+    estimator: Estimator,
+    pool: Option<&ThreadPool>,
+) -> Result<Vec<Vec<f32>>, Error> {
     let (width, height) = (film.settings().width, film.settings().height);
     let mut rgb: Vec<[f32; 3]> = zeros(width as usize * height as usize)?;
-    resolve(film, estimator, &mut rgb)?;
+    resolve(film, estimator, pool, &mut rgb)?;
     (0..3).map(|c| plane(&rgb, |rgb| rgb[c])).collect()
 }
 
-/// Writes the picture by an estimator that needs the film alone.
+/// Writes the picture by an estimator that needs the film alone, on all threads of `pool`, on the caller's if there is none.
 ///
 /// # Errors
 /// [`Error::Setting`] if the film has not accumulated for it, [`Error::Work`] if memory is lacking.
-pub(crate) fn resolve(film: &Sampler<'_>, estimator: Estimator, rgb: &mut [[f32; 3]]) -> Result<(), Error> {
+pub(crate) fn resolve(
+    film: &Sampler<'_>,
+    estimator: Estimator,
+    pool: Option<&ThreadPool>,
+    rgb: &mut [[f32; 3]],
+) -> Result<(), Error> {
     let mut scratch = zeros(Sampler::resolve_scratch(film.settings().width, film.settings().height))?;
-    film.resolve(estimator, &mut scratch, rgb.as_flattened_mut()).map_err(Error::setting)
+    let resolving =
+        film.resolving(estimator, &mut scratch, rgb.as_flattened_mut()).map_err(Error::setting)?;
+    threads::resolve(pool, resolving);
+    Ok(())
 }
 
 /// The mean depth of what is seen: the rays that see nothing have none.

@@ -13,7 +13,7 @@ use super::photons::{Order, Photons, Shot};
 use super::schedule::{Clock, LEAST_SPP, Target};
 use super::settings::{Integrator, Layer, Settings};
 use super::stop::Judge;
-use super::threads::{Crew, start_threads};
+use super::threads::{self, Crew, start_threads};
 use super::{budget, checkpoint, guide, layers};
 use crate::error::Error;
 use crate::picture::frame_io::Picture;
@@ -30,11 +30,16 @@ use std::time::Instant;
 
 /// What a frame starts from, and who learns from it. `()` starts from nothing and learns nothing.
 pub trait Learner {
-    /// A frame begins.
+    /// A frame begins; the threads of `pool` are there to work for it, the caller's alone if there is none.
     ///
     /// # Errors
     /// [`Error::Setting`] if the core refuses scene or camera, [`Error::Work`] if memory is lacking.
-    fn begin(&mut self, _scene: &LoadedScene, _settings: &Settings) -> Result<(), Error> {
+    fn begin(
+        &mut self,
+        _scene: &LoadedScene,
+        _settings: &Settings,
+        _pool: Option<&ThreadPool>,
+    ) -> Result<(), Error> {
         Ok(())
     }
 
@@ -265,7 +270,7 @@ fn render_iterations(
     let required = Sampler::required(width, height);
     let (mut floats, mut words) = (zeros(required.floats)?, zeros(required.words)?);
     let memory = Memory { floats: &mut floats, words: &mut words };
-    learner.begin(scene, settings)?;
+    learner.begin(scene, settings, crew.pool())?;
     let film = if learner.predicts() { settings.predicted_film() } else { settings.film() };
     let mut sampler = match &saved {
         Some(saved) => go_on_from(saved, film, memory)?,
@@ -279,7 +284,7 @@ fn render_iterations(
     for samples in schedule.skip(sampler.iterations() as usize) {
         if !sampler.is_running() {
             let prior = learner.prior(sampler.iterations());
-            sampler.begin_predicted(samples, prior).map_err(Error::setting)?;
+            threads::begin(crew.pool(), &mut sampler, samples, prior).map_err(Error::setting)?;
         }
         crew.work(sampler.jobs(), interrupted, progress);
         if interrupted.load(Ordering::Relaxed) {
@@ -299,13 +304,13 @@ fn render_iterations(
         Sight { scene: view, camera: crew.camera(), max_depth: settings.max_depth, size: (width, height) };
     let seen = see(sight, settings, crew.pool())?;
     let sky = scene.sky.as_ref().is_some_and(|sky| sky.visible);
-    frame.layers = layers::planes(&sampler, &seen, sky, settings.layers)?;
+    frame.layers = layers::planes(&sampler, &seen, sky, settings.layers, crew.pool())?;
     match settings.sampler.estimator {
         Estimator::Guided => {
             let mut blend = |filtered: &mut Filtered<'_>| learner.blend(filtered);
             guide::resolve(&sampler, &seen.features, crew.pool(), &mut blend, &mut frame.rgb)?;
         }
-        estimator => layers::resolve(&sampler, estimator, &mut frame.rgb)?,
+        estimator => layers::resolve(&sampler, estimator, crew.pool(), &mut frame.rgb)?,
     }
     (frame.tally, frame.lane_occupancy) = (tally, crew.lane_occupancy());
     frame.photons = photons.as_ref().map(Photons::shot);

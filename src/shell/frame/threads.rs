@@ -3,15 +3,17 @@
 use super::memory::lock;
 use super::settings::{Integrator, Settings};
 use crate::error::Error;
+use pmcip_core::predict::Prior;
 use pmcip_core::sampler::batch::{Batch8, Integrand, Rgb8};
-use pmcip_core::sampler::{Job, Jobs, Workspace};
+use pmcip_core::sampler::estimate::Resolving;
+use pmcip_core::sampler::{Error as CoreError, Job, Jobs, Sampler, Workspace};
 use pmcip_core::tracer::camera::Camera;
 use pmcip_core::tracer::scene::Scene;
 use pmcip_core::tracer::shade::direct::{DirectLighting, Samples};
 use pmcip_core::tracer::shade::gather::{Gather, Maps};
 use pmcip_core::tracer::shade::irradiance::{Irradiance, Unwrapped};
 use pmcip_core::tracer::shade::path::{Packet, PathTracer, Traffic};
-use rayon::iter::{IntoParallelIterator, ParallelIterator};
+use rayon::iter::{IntoParallelIterator, ParallelBridge, ParallelIterator};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -31,6 +33,43 @@ pub(crate) fn each<T: Send>(pool: Option<&ThreadPool>, parts: Vec<T>, work: impl
     match pool {
         Some(pool) => pool.install(|| parts.into_par_iter().for_each(work)),
         None => parts.into_iter().for_each(work),
+    }
+}
+
+/// Begins an iteration on all threads of `pool`, on the caller's if there is none.
+pub(crate) fn begin(
+    pool: Option<&ThreadPool>,
+    film: &mut Sampler<'_>,
+    samples: u64,
+    prior: Prior<'_>,
+) -> Result<(), CoreError> {
+    match pool {
+        Some(pool) => pool.install(|| begin_on_all(film, samples, prior)),
+        None => film.begin_predicted(samples, prior),
+    }
+}
+
+/// Begins an iteration on all threads of the pool that the caller is in.
+pub(crate) fn begin_on_all(film: &mut Sampler<'_>, samples: u64, prior: Prior<'_>) -> Result<(), CoreError> {
+    let mut beginning = film.beginning(samples, prior)?;
+    while let Some(parts) = beginning.parts() {
+        parts.par_bridge().for_each(|mut part| part.work());
+    }
+    Ok(())
+}
+
+/// Makes a picture on all threads of `pool`, on the caller's if there is none.
+pub(crate) fn resolve(pool: Option<&ThreadPool>, resolving: Resolving<'_>) {
+    match pool {
+        Some(pool) => pool.install(|| resolve_on_all(resolving)),
+        None => drop(resolving),
+    }
+}
+
+/// Makes a picture on all threads of the pool that the caller is in.
+pub(crate) fn resolve_on_all(mut resolving: Resolving<'_>) {
+    while let Some(parts) = resolving.parts() {
+        parts.par_bridge().for_each(|mut part| part.work());
     }
 }
 

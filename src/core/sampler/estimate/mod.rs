@@ -29,9 +29,14 @@
 //! D and S are accumulated while streaming, in one RGB plane besides Q. A rejected sample counts as black in them.
 
 mod picture;
+pub mod resolve;
 mod smooth;
-pub(crate) use picture::{Energy, balanced, lent, plain, restored, scratch_len};
+mod source;
+pub(crate) use picture::scratch_len;
+pub use resolve::Resolving;
+pub(crate) use smooth::radii;
 pub use smooth::{Lanes, MAX_RADIUS};
+pub(crate) use source::{Apart, Energy, Lent, Own};
 
 /// Which estimator makes the picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -5,6 +5,7 @@
 //! precision sum would leave a trace along the whole line.
 
 use crate::maths::reflect::fold;
+use crate::sampler::film::cell::CELL;
 
 /// A position of a line: pixels of neighbouring rows, or sixteen neighbouring floats of a row.
 pub type Lanes = [f32; LANES];
@@ -19,6 +20,18 @@ pub const MAX_RADIUS: u32 = 4_096;
 /// Scratch [`smooth`] needs for a picture of this size.
 pub(crate) fn scratch_len(width: u32, height: u32) -> usize {
     (STRIP + 1) * width.max(height) as usize
+}
+
+/// Radii of three boxes over cells that, with what cells and interpolation blur by themselves, have a variance of
+/// about `radius`·(`radius` + 1) pixels².
+pub(crate) fn radii(radius: u32) -> [u32; 3] {
+    const CELL_AREA: u32 = (CELL * CELL) as u32;
+    // In units of a cell's area. Summing over a cell and interpolating blur by a quarter of it.
+    let wanted = 3 * (radius * (radius + 1)).saturating_sub(CELL_AREA / 4) / CELL_AREA;
+    let least = (0..).take_while(|r| 3 * r * (r + 1) <= wanted).last().unwrap_or(0);
+    // A box one larger adds 2·(r + 1).
+    let larger = (wanted - 3 * least * (least + 1) + least + 1) / (2 * (least + 1));
+    [0, 1, 2].map(|i| least + u32::from(i < larger))
 }
 
 /// Smooths a picture of `CHANNELS` interleaved floats a pixel in place. `scratch` is [`scratch_len`] long.

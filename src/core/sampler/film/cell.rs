@@ -53,6 +53,12 @@ impl Region {
         Region { columns: 0..layout.width().div_ceil(TILE), rows: 0..layout.height().div_ceil(TILE) }
     }
 
+    /// Rows of its grid of cells that belong to some of its rows of tiles.
+    pub fn cell_rows(&self, layout: &Layout, rows: &Range<u32>) -> Range<usize> {
+        let cells = |tiles: u32| (tiles - self.rows.start) as usize * (TILE as usize / CELL);
+        cells(rows.start)..cells(rows.end).min(self.grid(layout).1)
+    }
+
     /// Columns and rows of its grid of cells.
     pub fn grid(&self, layout: &Layout) -> (usize, usize) {
         let cells = |tiles: &Range<u32>, side: u32| {
@@ -63,11 +69,12 @@ impl Region {
 }
 
 impl Layout {
-    /// Calls `f` for all cells of a region, in the order of their tiles; their columns and rows count from its corner.
+    /// Calls `f` for the cells in some `rows` of tiles of a region, in the order of their tiles; their columns and rows count
+    /// from the region's corner.
     #[inline(always)]
-    pub(crate) fn for_each_cell(&self, region: &Region, mut f: impl FnMut(Cell)) {
+    pub(crate) fn for_each_cell(&self, region: &Region, rows: Range<u32>, mut f: impl FnMut(Cell)) {
         let across = self.width().div_ceil(TILE);
-        let tiles = region.rows.clone().flat_map(|y| region.columns.clone().map(move |x| y * across + x));
+        let tiles = rows.flat_map(|y| region.columns.clone().map(move |x| y * across + x));
         let (left, top) = (TILE * region.columns.start, TILE * region.rows.start);
         for tile in tiles.map(|t| self.tile(t)) {
             let (width, height) = (tile.width as usize, tile.height as usize);
@@ -99,17 +106,22 @@ mod tests {
             let all = Region::all(&layout);
             let (columns, rows) = all.grid(&layout);
             let mut covered = 0;
-            layout.for_each_cell(&all, |cell| {
-                assert!(cell.x < columns && cell.y < rows);
-                for dy in 0..cell.height {
-                    let (row, raster) = (cell.row(dy), cell.raster(dy, width as usize));
-                    assert_eq!(row.len(), raster.len());
-                    for (stored, raster) in row.zip(raster) {
-                        let (x, y) = (raster as u32 % width, raster as u32 / width);
-                        assert_eq!(stored, layout.index(x, y));
-                        covered += 1;
+            let middle = all.rows.end / 2;
+            let halves = [0..middle, middle..all.rows.end];
+            halves.into_iter().for_each(|half| {
+                layout.for_each_cell(&all, half.clone(), |cell| {
+                    assert!(cell.x < columns && cell.y < rows);
+                    assert!(all.cell_rows(&layout, &half).contains(&cell.y));
+                    for dy in 0..cell.height {
+                        let (row, raster) = (cell.row(dy), cell.raster(dy, width as usize));
+                        assert_eq!(row.len(), raster.len());
+                        for (stored, raster) in row.zip(raster) {
+                            let (x, y) = (raster as u32 % width, raster as u32 / width);
+                            assert_eq!(stored, layout.index(x, y));
+                            covered += 1;
+                        }
                     }
-                }
+                })
             });
             assert_eq!(covered, layout.pixels());
         }

@@ -33,7 +33,7 @@ impl Among for Everyone {
 }
 
 /// The pixels of one label.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Island<'a> {
     labels: &'a [u32],
     label: u32,
@@ -49,12 +49,15 @@ impl Among for Island<'_> {
 }
 
 impl<'a> Island<'a> {
-    /// All islands and where they are; `labels` are below 2^24, 0 is no island.
-    pub fn each(layout: &Layout, labels: &'a [u32]) -> impl Iterator<Item = (Island<'a>, Region)> {
-        let layout = *layout;
-        let next = move |last: u32| labels.iter().copied().filter(|label| *label > last).min();
-        let islands = core::iter::successors(next(0), move |last| next(*last));
-        islands.map(move |label| (Island { labels, label }, region(&layout, labels, label)))
+    /// The first island and where it is, if there is one; `labels` are below 2^24, 0 is no island.
+    pub fn first(layout: &Layout, labels: &'a [u32]) -> Option<(Island<'a>, Region)> {
+        Island { labels, label: 0 }.next(layout)
+    }
+
+    /// The island after this one and where it is.
+    pub fn next(self, layout: &Layout) -> Option<(Island<'a>, Region)> {
+        let label = self.labels.iter().copied().filter(|label| *label > self.label).min()?;
+        Some((Island { label, ..self }, region(layout, self.labels, label)))
     }
 }
 
@@ -89,7 +92,9 @@ mod tests {
         for (x, y, label) in [(3, 3, 7), (20, 33, 7), (49, 39, 65_535), (17, 0, 2)] {
             labels[layout.index(x, y)] = label;
         }
-        let found: Vec<_> = Island::each(&layout, &labels).map(|(i, region)| (i.label, region)).collect();
+        let first = Island::first(&layout, &labels);
+        let all = core::iter::successors(first, |(island, _)| island.next(&layout));
+        let found: Vec<_> = all.map(|(island, region)| (island.label, region)).collect();
         let region = |columns, rows| Region { columns, rows };
         let want = [(2, region(1..2, 0..1)), (7, region(0..2, 0..3)), (65_535, region(3..4, 2..3))];
         assert_eq!(found, want);

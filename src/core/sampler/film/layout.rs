@@ -108,9 +108,19 @@ impl Layout {
         (tile, (inside % across) as u32, (inside / across) as u32)
     }
 
+    /// Storage index of the first pixel of a tile, and one after the last pixel of all for what would come after the last tile.
+    pub(crate) fn start(&self, tile: u32) -> usize {
+        if tile < self.tiles() { self.tile(tile).first } else { self.pixels() }
+    }
+
     /// Calls `f(storage, raster)` for every tile row: a run of storage indices and where it starts in raster order.
-    pub fn for_each_run(&self, mut f: impl FnMut(Range<usize>, usize)) {
-        for tile in (0..self.tiles()).map(|t| self.tile(t)) {
+    pub fn for_each_run(&self, f: impl FnMut(Range<usize>, usize)) {
+        self.for_each_run_of(0..self.tiles(), f);
+    }
+
+    /// [`for_each_run`](Self::for_each_run) of some tiles alone.
+    pub(crate) fn for_each_run_of(&self, tiles: Range<u32>, mut f: impl FnMut(Range<usize>, usize)) {
+        for tile in tiles.map(|t| self.tile(t)) {
             for dy in 0..tile.height {
                 let raster = (tile.y0 + dy) as usize * self.width as usize + tile.x0 as usize;
                 f(tile.row(dy), raster);
@@ -138,6 +148,7 @@ mod tests {
                 }
             }
             assert_eq!(next, layout.pixels());
+            assert_eq!((layout.start(0), layout.start(layout.tiles())), (0, next));
         }
     }
 

@@ -17,4 +17,4 @@ pub(crate) mod window;
 
 pub use layout::{Layout, MAX_SIDE, TILE, Tile};
 pub use planes::BYTES_PER_PIXEL;
-pub(crate) use planes::{FLOATS, Planes, WORDS};
+pub(crate) use planes::{FLOATS, Planes, Seen, WORDS};

@@ -33,6 +33,29 @@ pub(crate) struct Planes<'a> {
     pub label: &'a [u32],
 }
 
+/// What whoever works on a part of a film sees of all of it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Seen<'a> {
+    /// See [`Planes`].
+    pub count: &'a [u32],
+    /// See [`Planes`].
+    pub drawn: &'a [u32],
+    /// See [`Planes`].
+    pub mean: [&'a [f32]; 3],
+    /// See [`Planes`].
+    pub m2: &'a [f32],
+    /// See [`Planes`].
+    pub label: &'a [u32],
+}
+
+impl Seen<'_> {
+    /// Mean radiance of up to eight neighbouring pixels.
+    #[inline(always)]
+    pub fn mean8(&self, pixels: Range<usize>) -> [f32x8; 3] {
+        self.mean.map(|plane| read8(&plane[pixels.clone()]))
+    }
+}
+
 impl<'a> Planes<'a> {
     /// Divides `floats` and `words`, [`FLOATS`] and [`WORDS`] a pixel, into planes. One word more a pixel is its label.
     pub fn new(floats: &'a mut [f32], words: &'a mut [u32], pixels: usize) -> Option<Self> {
@@ -78,6 +101,19 @@ impl<'a> Planes<'a> {
             target: self.target,
             label: self.label,
         }
+    }
+
+    /// What everybody may read.
+    pub fn seen(&self) -> Seen<'_> {
+        let Planes { count, drawn, mean, m2, label, .. } = self;
+        Seen { count, drawn, mean: mean.each_ref().map(|plane| &**plane), m2, label }
+    }
+
+    /// What everybody may read while `target` and `planned` are written, and these two.
+    pub fn apart(&mut self) -> (Seen<'_>, &mut [f32], &mut [u32]) {
+        let Planes { count, drawn, mean, m2, label, target, planned, .. } = self;
+        let seen = Seen { count, drawn, mean: mean.each_ref().map(|plane| &**plane), m2, label };
+        (seen, target, planned)
     }
 
     /// The first `at` pixels, and the rest.

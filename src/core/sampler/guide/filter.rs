@@ -155,9 +155,21 @@ impl<'a> Filter<'a> {
         if out.len() != self.grid.width * self.grid.height {
             return Err(Error::Output);
         }
+        self.write_rows(0, out)
+    }
+
+    /// [`write`](Self::write) of the rows from the `first` on, as many as `out` has: threads can share a picture.
+    ///
+    /// # Errors
+    /// If `out` has other than whole rows, or more than there are.
+    pub fn write_rows(&self, first: usize, out: &mut [[f32; 3]]) -> Result<(), Error> {
+        let (rows, rest) = (out.len() / self.grid.width, out.len() % self.grid.width);
+        if rest != 0 || first > self.grid.height || rows > self.grid.height - first {
+            return Err(Error::Output);
+        }
         let known = Rows { data: self.known, planes: known::PLANES, grid: self.grid };
         let averages = Rows { data: self.averages[1], planes: averages::PLANES, grid: self.grid };
-        for (y, out) in out.chunks_exact_mut(self.grid.width).enumerate() {
+        for (y, out) in (first..).zip(out.chunks_exact_mut(self.grid.width)) {
             for (x, out) in out.iter_mut().enumerate() {
                 let value = |rows: &Rows<'_>, plane: usize| rows.row(plane, y + MARGIN)[x + MARGIN];
                 let albedo = [0, 1, 2].map(|c| value(&known, known::ALBEDO + c));

@@ -16,17 +16,18 @@ pub use feature::Feature;
 pub use filter::{Band, Filter};
 pub use pictures::Pictures;
 
-use super::estimate::{self, Energy, Estimator, Lanes};
+use super::estimate::resolve::Kind;
+use super::estimate::{Energy, Estimator, Lanes, Lent, Resolving};
 use super::{Error, Sampler};
 
 impl Sampler<'_> {
     /// Writes `guide`, given the energy that the fair samples have in every neighbourhood: linear RGB, row by row.
     ///
     /// `guide` is any picture F of this size, rows from the top: filtered samples, another denoiser's work, a blend with
-    /// earlier frames. C = F + a·G((D − F)/Gᵀa) sums to what D sums to, whatever F is (see [`estimate`]); with the mean of
-    /// all samples as F it is [`Estimator::Balanced`], bit by bit. Where a colour of F is not finite or beyond
-    /// [`MAX_RADIANCE`](crate::sampler::MAX_RADIANCE), the pixel's own mean stands in. Scratch as for
-    /// [`resolve`](Self::resolve).
+    /// earlier frames. C = F + a·G((D − F)/Gᵀa) sums to what D sums to, whatever F is (see
+    /// [`estimate`](super::estimate)); with the mean of all samples as F it is [`Estimator::Balanced`], bit by bit. Where a
+    /// colour of F is not finite or beyond [`MAX_RADIANCE`](crate::sampler::MAX_RADIANCE), the pixel's own mean stands in.
+    /// Scratch as for [`resolve`](Self::resolve).
     ///
     /// # Errors
     /// If an iteration is running, the film has not accumulated for [`Estimator::Balanced`], or a slice has the wrong
@@ -37,6 +38,20 @@ impl Sampler<'_> {
         scratch: &mut [Lanes],
         out: &mut [[f32; 3]],
     ) -> Result<(), Error> {
+        self.resolving_guided(guide, scratch, out).map(drop)
+    }
+
+    /// [`resolve_guided`](Self::resolve_guided) in parts that can be worked on by any threads: see
+    /// [`resolve`](crate::sampler::estimate::resolve).
+    ///
+    /// # Errors
+    /// As `resolve_guided`.
+    pub fn resolving_guided<'r>(
+        &'r self,
+        guide: &'r [[f32; 3]],
+        scratch: &'r mut [Lanes],
+        out: &'r mut [[f32; 3]],
+    ) -> Result<Resolving<'r>, Error> {
         if !self.state.settings.estimator.serves(Estimator::Balanced) {
             return Err(Error::Estimator);
         }
@@ -57,16 +72,30 @@ impl Sampler<'_> {
         scratch: &mut [Lanes],
         out: &mut [[f32; 3]],
     ) -> Result<(), Error> {
+        self.leveling(guide, scratch, out).map(drop)
+    }
+
+    /// [`level`](Self::level) in parts that can be worked on by any threads: see
+    /// [`resolve`](crate::sampler::estimate::resolve).
+    ///
+    /// # Errors
+    /// As `level`.
+    pub fn leveling<'r>(
+        &'r self,
+        guide: &'r [[f32; 3]],
+        scratch: &'r mut [Lanes],
+        out: &'r mut [[f32; 3]],
+    ) -> Result<Resolving<'r>, Error> {
         self.give(guide, Energy::All, scratch, out)
     }
 
-    fn give(
-        &self,
-        guide: &[[f32; 3]],
+    fn give<'r>(
+        &'r self,
+        guide: &'r [[f32; 3]],
         energy: Energy,
-        scratch: &mut [Lanes],
-        out: &mut [[f32; 3]],
-    ) -> Result<(), Error> {
+        scratch: &'r mut [Lanes],
+        out: &'r mut [[f32; 3]],
+    ) -> Result<Resolving<'r>, Error> {
         self.at_rest()?;
         let needed = Self::resolve_scratch(self.state.settings.width, self.state.settings.height);
         let scratch = scratch.get_mut(..needed).ok_or(Error::Scratch)?;
@@ -76,7 +105,9 @@ impl Sampler<'_> {
         if out.len() != self.layout.pixels() {
             return Err(Error::Output);
         }
-        estimate::lent(&self.layout, &self.planes, guide, energy, scratch, out);
-        Ok(())
+        let width = self.layout.width() as usize;
+        let lent = Lent { planes: &self.planes, picture: guide, width, energy };
+        let (labels, kind) = (self.planes.label, Kind::Lent(lent));
+        Ok(Resolving::new(self.layout, labels, kind, energy.radii(), scratch, out))
     }
 }

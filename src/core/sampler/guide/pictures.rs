@@ -1,7 +1,8 @@
 //! Energy for a picture when the film is gone: everything lent row by row.
 
 use crate::sampler::Error;
-use crate::sampler::estimate::{self, Lanes, MAX_RADIUS};
+use crate::sampler::estimate::resolve::Kind;
+use crate::sampler::estimate::{self, Apart, Lanes, MAX_RADIUS, Resolving, radii};
 use crate::sampler::film::Layout;
 
 /// A guide and what a film has left, all of one size: linear RGB, row by row from the top.
@@ -56,7 +57,8 @@ impl Pictures<'_> {
         }
         let needed = estimate::scratch_len(self.width, self.height);
         let scratch = scratch.get_mut(..needed).ok_or(Error::Scratch)?;
-        estimate::restored(&layout, pictures, self.balance_radius, scratch, out);
+        let kind = Kind::Apart(Apart { pictures, width: self.width as usize });
+        drop(Resolving::new(layout, &[], kind, radii(self.balance_radius), scratch, out));
         Ok(())
     }
 }

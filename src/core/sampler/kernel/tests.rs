@@ -5,7 +5,7 @@ extern crate std;
 use super::*;
 use crate::maths::colour::luminance;
 use crate::maths::sobol::hash;
-use crate::sampler::film::{FLOATS, WORDS};
+use crate::sampler::film::{FLOATS, Planes, WORDS};
 use std::vec;
 use std::vec::Vec;
 
@@ -59,7 +59,8 @@ fn weights_equal_the_scalar_twin() {
             (Window::Square3, 0.0, Criterion::Sample),
         ] {
             let kernel = Kernel { criterion, gamma, window, cd_per_unit: 20.0 };
-            kernel.adapt(&layout, &mut planes, &[]);
+            let (film, target, _) = planes.apart();
+            kernel.adapt(&layout, 0..layout.tiles(), &film, target, &[], |_| ());
             let pixels: Vec<_> = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).collect();
             for (x, y) in pixels {
                 let (got, want) =

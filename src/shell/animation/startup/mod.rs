@@ -25,6 +25,7 @@ use crate::frame::settings::{Method, Settings, Startup};
 use crate::scene::{LoadedScene, Pose};
 use pmcip_core::predict::{Belief, Filter, Outlook, Prior, carry};
 use pmcip_core::sampler::Sampler;
+use rayon::ThreadPool;
 use std::time::Instant;
 
 mod pictures;
@@ -113,7 +114,12 @@ impl Predictor {
     }
 
     /// Looks at where things are, if that is how the frame is predicted.
-    fn look(&self, scene: &LoadedScene, settings: &Settings) -> Result<View, Error> {
+    fn look(
+        &self,
+        scene: &LoadedScene,
+        settings: &Settings,
+        pool: Option<&ThreadPool>,
+    ) -> Result<View, Error> {
         if settings.startup == Startup::Homography {
             return Ok(View::Pictures);
         }
@@ -123,13 +129,18 @@ impl Predictor {
             _ => &pose,
         };
         let core = &settings.sampler;
-        let motion = Motion::new(scene, &settings.view, before, core.width, core.height)?;
+        let motion = Motion::new(scene, &settings.view, before, (core.width, core.height), pool)?;
         Ok(View::Motion { pose, motion })
     }
 }
 
 impl Learner for Predictor {
-    fn begin(&mut self, scene: &LoadedScene, settings: &Settings) -> Result<(), Error> {
+    fn begin(
+        &mut self,
+        scene: &LoadedScene,
+        settings: &Settings,
+        pool: Option<&ThreadPool>,
+    ) -> Result<(), Error> {
         let start = Instant::now();
         self.next = None;
         self.seconds = 0.0;
@@ -145,7 +156,7 @@ impl Learner for Predictor {
         if self.last.as_ref().is_some_and(|last| !last.fits(size, objects, settings.startup)) {
             self.last = None;
         }
-        let view = self.look(scene, settings)?;
+        let view = self.look(scene, settings, pool)?;
         let mut next = Next { view, prediction: Prediction::default(), trusted: false };
         if let Some(last) = &self.last {
             let tame = settings.method == Method::Paper || last.outlook.miss < MAX_MISS;
