@@ -7,6 +7,7 @@ use pmcip::frame::settings::{Method, Settings, Startup};
 use pmcip::scene::{Animation, LoadedScene};
 use pmcip_core::predict::{Belief, Prior, carry};
 use pmcip_core::sampler::{Memory, Sampler};
+use pmcip_core::tracer::scene::{Light, light};
 use std::path::Path;
 
 const SIDE: u32 = 32;
@@ -111,6 +112,14 @@ fn a_cut_starts_uniformly() {
     assert!(!predictor.predicted());
 }
 
+/// The table of the lamps, made anew. They are few: there is no tree.
+fn list_lights(scene: &mut LoadedScene) {
+    scene.lights = vec![Light::default(); light::count(&scene.surfaces, &scene.materials)];
+    let used = light::build(&scene.triangles, &scene.surfaces, &scene.materials, &mut scene.lights);
+    scene.lights.truncate(used);
+    scene.light_nodes.clear();
+}
+
 #[test]
 fn dark_and_flashing_frames_break_nothing() {
     let animation = scene("cornell.toml");
@@ -124,6 +133,7 @@ fn dark_and_flashing_frames_break_nothing() {
                 for (material, lamp) in scene.materials.iter_mut().zip(&lamps) {
                     material.emission = lamp.map(|e| e * power);
                 }
+                list_lights(&mut scene);
                 let frame = next(&scene, &settings, 1, &mut predictor);
                 assert!(frame.rgb.as_flattened().iter().all(|x| x.is_finite()));
                 let sum: f64 = frame.alpha.iter().map(|a| f64::from(*a)).sum();

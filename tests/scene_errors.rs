@@ -227,17 +227,17 @@ fn message_within(memory: u64, files: &[(&str, &str)]) -> String {
     message.replace(&format!("{}{}", dir.path().display(), std::path::MAIN_SEPARATOR), "")
 }
 
-/// 430 bytes a triangle: 10 GB are full at the 18th of these spheres, before any is made.
+/// 360 bytes a triangle: 10 GB are full at the 22nd of these spheres, before any is made.
 #[test]
 fn spheres_of_more_triangles_than_there_is_memory_for_name_the_line() {
     let sphere = "[[spheres]]\ncenter = [0, 0, 0]\nradius = 1\nsubdivisions = 8\nmaterial = \"m\"\n";
     let text = format!("{}[materials.m]\n", sphere.repeat(40));
     assert_eq!(
         message_within(10_000_000_000, &[("s.toml", &text)]),
-        "s.toml:89: subdivisions: not enough memory: with 23592960 triangles the scene takes 10.1 GB to load, \
+        "s.toml:109: subdivisions: not enough memory: with 28835840 triangles the scene takes 10.4 GB to load, \
          10.0 GB are free"
     );
-    // No machine has 2.3 TB.
+    // No machine has 1.9 TB.
     let text = format!("{}[materials.m]\n", sphere.repeat(4096));
     let message = message(&[("s.toml", &text)]);
     assert!(message.contains(": subdivisions: ") && message.ends_with("are free"), "{message}");

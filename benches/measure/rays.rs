@@ -89,12 +89,12 @@ fn look(loaded: &mut LoadedScene, from: &str, rest: Vec<&str>) {
 
 /// What the hierarchy is like: its size, and the surface-area heuristic's expectation for a ray that meets the scene's box.
 fn shape(loaded: &LoadedScene) -> String {
-    let LoadedScene { nodes, leaves, triangles, .. } = loaded;
+    let LoadedScene { nodes, triangles, .. } = loaded;
     let area = |(low, high): ([f32; 3], [f32; 3])| {
         let [x, y, z] = [0, 1, 2].map(|axis| f64::from(high[axis] - low[axis]));
         x * y + y * z + z * x
     };
-    let (mut met, mut of_leaves, mut of_triangles) = (1.0, 0.0, 0.0);
+    let (mut met, mut of_leaves, mut of_triangles, mut leaves) = (1.0, 0.0, 0.0, 0);
     let all = area(nodes[0].hull());
     for (node, child) in nodes.iter().flat_map(|node| (0..8).map(move |child| (node, child))) {
         if node.is_used(child) {
@@ -103,17 +103,17 @@ fn shape(loaded: &LoadedScene) -> String {
             match node.count[child] {
                 0 => met += share,
                 count => {
-                    (of_leaves, of_triangles) = (of_leaves + share, of_triangles + share * f64::from(count))
+                    leaves += 1;
+                    (of_leaves, of_triangles) = (of_leaves + share, of_triangles + share * f64::from(count));
                 }
             }
         }
     }
-    let bytes = size_of_val(&nodes[..]) + size_of_val(&leaves[..]);
+    let bytes = size_of_val(&nodes[..]) + size_of_val(&loaded.leaves[..]);
     format!(
-        "{} triangles, {} nodes, {} leaves, {:.0} bytes a triangle; a ray is expected to meet {met:.1} nodes, {of_leaves:.1} leaves and {of_triangles:.1} triangles",
+        "{} triangles, {} nodes, {leaves} leaves, {:.0} bytes a triangle; a ray is expected to meet {met:.1} nodes, {of_leaves:.1} leaves and {of_triangles:.1} triangles",
         triangles.len(),
         nodes.len(),
-        leaves.len(),
         bytes as f64 / triangles.len() as f64,
     )
 }

@@ -295,7 +295,8 @@ fn a_lamp_makes_no_stripes_on_a_pillar() {
             let far = cosine < 0.5;
             assert!(far || (ratio - 1.0).abs() < 0.01, "{estimator:?}, {cosine}: {ratio}");
         }
-        let lit: Vec<_> = seams(&scene, &atlas, &baked).into_iter().filter(|(at, _)| at.x > 0.5).collect();
+        // From the corner at x = 0.56 on a facet looks past a part of the lamp: there the sides of a seam do differ.
+        let lit: Vec<_> = seams(&scene, &atlas, &baked).into_iter().filter(|(at, _)| at.x > 0.6).collect();
         assert!(lit.len() >= 9, "{}", lit.len());
         agree(&lit, 0.02);
     }

@@ -30,7 +30,7 @@ pub struct SceneData<'a> {
     pub textures: &'a [Texture],
     /// Linear RGB texels of all textures.
     pub texels: &'a [[f32; 3]],
-    /// Emitting triangles, as [`light::build`](super::light::build) makes them.
+    /// Emitting triangles, as [`light::build`](super::light::build) makes them: anew whenever triangles or emissions change.
     pub lights: &'a [Light],
     /// Tree over the lights, as [`light_tree::build`](super::light_tree::build) makes it; node 0 is the root. Empty: lights are
     /// picked by power alone.
