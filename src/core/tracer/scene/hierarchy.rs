@@ -100,13 +100,9 @@ pub fn fill_leaves(nodes: &[Node8], triangles: &[Triangle], out: &mut [f32]) {
     out.fill(0.0);
     for (node, child) in nodes.iter().flat_map(|node| (0..8).map(move |child| (node, child))) {
         let (first, count) = (node.child[child] as usize, node.count[child] as usize);
-        let held = triangles.get(first..first.saturating_add(count));
-        let rows = out.get_mut(9 * first..9 * first.saturating_add(count));
-        if let (Some(held), Some(rows)) = (held, rows) {
-            for (number, coordinate) in rows.iter_mut().zip(by_rows(held)) {
-                *number = coordinate;
-            }
-        }
+        let Some(held) = triangles.get(first..first.saturating_add(count)) else { continue };
+        let rows = out.get_mut(9 * first..9 * (first + count)).into_iter().flatten();
+        rows.zip(by_rows(held)).for_each(|(number, coordinate)| *number = coordinate);
     }
 }
 
