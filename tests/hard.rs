@@ -130,6 +130,75 @@ fn a_thousand_million_samples_in_one_pixel() {
     assert!(off.abs() < ((b - a) * step / 2.0).sqrt(), "{off}");
 }
 
+/// A millionfold firefly in a hundred thousand samples, 1 otherwise: mean 11.
+struct Fireflies;
+
+impl Integrand for Fireflies {
+    fn radiance(&mut self, batch: &Batch8) -> Rgb8 {
+        let bright = batch.point(1).0.simd_lt(f32x8::splat(1e-5));
+        grey(bright.select(f32x8::splat(1e6), f32x8::ONE))
+    }
+}
+
+/// However rare and bright what is seen is: `balanced` and `difference` have the energy of uniform sampling with the same seed
+/// and as many samples as are fair, whose expectation is known. Limit: rounding, 1e-5. `pooled`, the control, has another
+/// energy in every run in which something was seen, since it moves samples there.
+#[test]
+fn fireflies_keep_their_energy() {
+    const PIXELS: f64 = 1024.0;
+    let (mut seen, mut control) = (0, 0);
+    for seed in 0..200 {
+        let pmc = Settings { seed, ..Settings::new(32, 32).for_frame(2, 16) };
+        let mut adaptive = film(pmc, &[2048; 8], &mut Fireflies);
+        let fair = pmc.fair.max(2);
+        let uniform = Settings { seed, ..Settings::uniform(32, 32) };
+        let chance = film(uniform, &[1024 * u64::from(fair)], &mut Fireflies);
+        let energy = |film: &mut Film, estimator| sum(&film.resolve(estimator).unwrap()) / PIXELS;
+        let chance = energy(&mut { chance }, Estimator::Pooled);
+        for estimator in [Estimator::Balanced, Estimator::Difference] {
+            let off = energy(&mut adaptive, estimator) / chance - 1.0;
+            assert!(off.abs() < 1e-5, "seed {seed}, {estimator:?}: {off}");
+        }
+        if chance > 1.5 {
+            seen += 1;
+            control += u32::from((energy(&mut adaptive, Estimator::Pooled) / chance - 1.0).abs() > 1e-3);
+        }
+    }
+    println!("fireflies among the fair samples of {seen} runs of 200; pooled is off in {control}");
+    // Expected: 200 times 8192 samples at 1e-5, 16 ± 4.
+    assert!(seen >= 4 && control > seen / 2, "{seen}, {control}");
+}
+
+/// Radiance that single precision holds in a few bits, down to its last: a mean is off by two of its steps an iteration at
+/// most, and nothing is not a number.
+#[test]
+fn radiance_of_a_few_bits() {
+    struct Faint;
+    impl Integrand for Faint {
+        fn radiance(&mut self, batch: &Batch8) -> Rgb8 {
+            let bits = [0, 1, 3, 100, 4567, 8_000_000, 8_388_607, 8_388_608];
+            let at = pixel(batch, 8.0).to_array().map(|pixel| f32::from_bits(bits[pixel as usize % 8]));
+            grey(f32x8::from(at))
+        }
+    }
+    let mut film = film(Settings::new(8, 8), &[256, 256, 256], &mut Faint);
+    let step = f64::from(f32::from_bits(1));
+    for estimator in [Estimator::Pooled, Estimator::Difference] {
+        for (i, rgb) in film.resolve(estimator).unwrap().iter().enumerate() {
+            let due = [0.0, 1.0, 3.0, 100.0, 4567.0, 8e6, 8_388_607.0, 8_388_608.0][i % 8] * step;
+            for value in rgb {
+                let off = (f64::from(*value) - due).abs() / step;
+                assert!(
+                    off <= 6.0 + due * 1e-6 / step,
+                    "{estimator:?}, pixel {i}: {value:e}, off by {off} steps"
+                );
+            }
+        }
+    }
+    assert!(film.resolve(Estimator::Balanced).unwrap().as_flattened().iter().all(|v| v.is_finite()));
+    assert!(film.variance().unwrap().iter().all(|v| v.is_finite()));
+}
+
 /// Every pixel has its own constant, from 1e-30 to 1e15: nothing is lost on the way, in no estimator.
 #[test]
 fn forty_five_decades_in_one_picture() {

@@ -200,6 +200,18 @@ fn a_checkpoint_that_cannot_be_written_ends_nothing() {
     assert!(out.join("a.exr").exists() && !out.join("a.film").exists());
 }
 
+/// Few descriptors are enough for many frames: what is opened is closed.
+#[test]
+fn few_descriptors_are_enough() {
+    let room = room();
+    let program = env!("CARGO_BIN_EXE_pmcip");
+    let frames = "--frames 1..12 --spp 2 --size 16x16 --checkpoint 0 --resume -o f.####.exr --quiet";
+    let script = format!("ulimit -n 8 && exec '{program}' render room.toml {frames}");
+    let done = Command::new("sh").args(["-c", &script]).current_dir(room.path()).output().unwrap();
+    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+    assert_eq!(files(room.path(), ".exr").len(), 12);
+}
+
 /// A disk that is full, where the tests may make one.
 #[test]
 fn a_full_disk_leaves_nothing_half_done() {

@@ -147,6 +147,8 @@ fn closed_boxes_leak_nothing() {
         ([0.1, 0.2, 0.3], [0.4, 1.5, 0.7]),
         ([1000.0, -3.0, 77.7], [1003.3, 20.0, 78.3]),
         ([-5e-3, 0.0, 1e-3], [5e-3, 7e-3, 2e-3]),
+        // Between two walls that are close to each other.
+        ([-1.0, -1.0, 0.5], [1.0, 1.0, 0.50001]),
     ] {
         let walls: Vec<_> = inward_box(lower, upper).into_iter().map(|t| (t, 0)).collect();
         let owned = Owned::new(&walls, vec![Material::default()]);
@@ -169,6 +171,35 @@ fn closed_boxes_leak_nothing() {
             let hits = tracer.closest(&packet(&rays)).triangle.to_array();
             assert!(!hits.contains(&MISS), "{rays:?} left the box");
         }
+    }
+}
+
+/// A strip of needles, 100,000 times as long as wide, has no cracks between them.
+#[test]
+fn needles_leak_nothing() {
+    const NEEDLES: usize = 400;
+    let at = |i: usize, y: f32| [i as f32 * 1e-5, y, 0.0];
+    let needle = |i: usize| match i % 2 {
+        0 => Triangle { corners: [at(i / 2, 0.0), at(i / 2 + 1, 0.0), at(i / 2, 1.0)] },
+        _ => Triangle { corners: [at(i / 2 + 1, 0.0), at(i / 2 + 1, 1.0), at(i / 2, 1.0)] },
+    };
+    let needles: Vec<_> = (0..NEEDLES).map(|i| (needle(i), 0)).collect();
+    let owned = Owned::new(&needles, vec![Material::default()]);
+    let mut tracer = Tracer::new(owned.scene());
+    let mut random = Random::new(5);
+    for _ in 0..20_000 {
+        let rays = [0; 8].map(|_| {
+            // A third at corners' own columns, where needles meet.
+            let across = 1.0 + random.unit() * (NEEDLES / 2 - 2) as f32;
+            let across = if random.unit() < 0.3 { across.floor() } else { across };
+            let to = [across * 1e-5, 0.01 + 0.98 * random.unit(), 0.0];
+            let from = [random.unit() - 0.5, random.unit(), 0.1 + random.unit()];
+            let toward = [0, 1, 2].map(|k| to[k] - from[k]);
+            let length = toward.iter().map(|x| x * x).sum::<f32>().sqrt();
+            (from, toward.map(|x| x / length), f32::INFINITY)
+        });
+        let hits = tracer.closest(&packet(&rays)).triangle.to_array();
+        assert!(!hits.contains(&MISS), "{rays:?} passed the needles");
     }
 }
 
