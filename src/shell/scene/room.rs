@@ -144,7 +144,7 @@ mod tests {
         let refusal =
             room.clone().take(10_000_000, Kind::Texels).and_then(|()| room.take(1 << 20, Kind::Triangles));
         let expected =
-            "not enough memory: with 3048576 triangles the scene takes 1.4 GB to load, 1.0 GB are free";
+            "not enough memory: with 3048576 triangles the scene takes 1.2 GB to load, 1.0 GB are free";
         assert_eq!(refusal.unwrap_err(), expected);
         room.take(1_000, Kind::Triangles).unwrap();
         let boundless = Room::new(Some(u64::MAX));
