@@ -23,7 +23,7 @@ pub struct Light {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 pub struct Lamp {
-    /// The first corner.
+    /// The first corner, in scene units.
     pub corner: [f32; 3],
     /// From there to the second and to the third.
     pub edges: [[f32; 3]; 2],
@@ -31,12 +31,12 @@ pub struct Lamp {
     pub normal: [f32; 3],
     /// Emitted radiance, that of the material.
     pub emission: [f32; 3],
-    /// One over the area.
+    /// One over the area, in scene units.
     pub inverse_area: f32,
 }
 
 impl Lamp {
-    /// The lamp that a triangle of a material is.
+    /// The lamp that a triangle of a material is; not finite where the triangle has no area, which no light is without.
     pub fn new(triangle: &Triangle, material: &Material) -> Self {
         let [a, b, c] = triangle.corners;
         let edges = [vec3::sub(b, a), vec3::sub(c, a)];
